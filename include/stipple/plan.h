@@ -1,0 +1,118 @@
+/* Plans: what a picture of this scene needs, as a value. No GPU is touched. */
+#ifndef STIPPLE_PLAN_H
+#define STIPPLE_PLAN_H
+
+#include <stipple/scene.h>
+#include <stipple/view.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+enum stp_method {
+    STP_METHOD_AUTO = 0,
+    STP_METHOD_DEFERRED,  /* ZP Algorithm 1: K groups, one geometry pass */
+    STP_METHOD_TWO_PASS,  /* the classical 2+1 pass */
+    STP_METHOD_EXACT,     /* every fragment kept in one geometry pass, resolved exactly */
+    STP_METHOD_REFERENCE, /* float64 on the CPU */
+};
+enum stp_path { STP_PATH_AUTO = 0, STP_PATH_RASTER, STP_PATH_COMPUTE };
+enum stp_payload { STP_PAYLOAD_AUTO = 0, STP_PAYLOAD_ID, STP_PAYLOAD_PACKED };
+enum stp_voronoi {
+    STP_VORONOI_DEFAULT = 0, /* slab where c < 1 */
+    STP_VORONOI_OFF,
+    STP_VORONOI_SLAB,  /* ZP Eq. 10 */
+    STP_VORONOI_EXACT, /* the smallest rho^2 within epsilon of the group's nearest; two passes */
+};
+enum stp_kernel {
+    STP_KERNEL_PARABOLA = 0, /* 1 - rho^2 */
+    STP_KERNEL_GAUSS,        /* exp(-2 rho^2), both for rho^2 <= 1 */
+};
+enum stp_cull { STP_CULL_NONE = 0, STP_CULL_BACK };
+
+/* Extra channels beside R G B A Z N.X N.Y N.Z, or-ed. */
+enum stp_aov {
+    STP_AOV_ALBEDO = 1,    /* albedo.R albedo.G albedo.B, before light */
+    STP_AOV_POSITION = 2,  /* P.X P.Y P.Z, relative to the origin */
+    STP_AOV_WEIGHT = 4,    /* the sum of weights */
+    STP_AOV_FRAGMENTS = 8, /* how many fragments were averaged */
+    STP_AOV_COVERAGE = 16, /* share of the samples that hit */
+    STP_AOV_ID = 32,       /* input index of the nearest splat, uint; 0xffffffff: none */
+    STP_AOV_LAYERS = 64,   /* surfaces composited: 1 where covered, for opaque scenes */
+};
+
+/* Optional device features; --mask-feature behaves as if the device lacked one. */
+enum stp_feature {
+    STP_FEATURE_INT64_ATOMICS = 1,  /* shaderBufferInt64Atomics */
+    STP_FEATURE_VERTEX_LAYER = 2,   /* gl_Layer from the vertex shader */
+    STP_FEATURE_FLOAT32_BLEND = 4,  /* blending into R32G32B32A32_SFLOAT */
+    STP_FEATURE_INT64 = 8,          /* shaderInt64 */
+};
+
+struct stp_render_params {
+    enum stp_method method;
+    enum stp_path path;
+    enum stp_payload payload; /* deferred, compute: what a key carries */
+    enum stp_voronoi voronoi;
+    enum stp_kernel kernel;
+    enum stp_cull cull;
+    double epsilon;   /* 0: each object's own */
+    double min_splat; /* least diameter of a projected splat, pixels; 0: 1.5; negative: off */
+    unsigned samples; /* stratified samples a pixel; 0: 1 */
+    unsigned aovs;    /* enum stp_aov, or-ed */
+    const float *background;  /* NULL: none (alpha 0), or linear RGBA composited behind */
+    bool local_viewer;        /* half vectors from the point, not the axis */
+    unsigned mask_features;   /* enum stp_feature, or-ed */
+    uint64_t memory_limit;    /* bytes of transient images and buffers; 0: the device's */
+};
+
+/* What a device can do: hand-filled in tests, read from a profile or from a device. */
+struct stp_limits {
+    char device[256], driver[256];
+    unsigned features;         /* enum stp_feature, or-ed */
+    uint64_t heap_bytes;       /* of the largest device-local heap */
+    uint64_t max_allocation;   /* of one buffer */
+    uint32_t max_image_size, max_image_layers;
+    uint32_t max_workgroups;   /* along x */
+    uint32_t processor;        /* 1: a CPU device, 2: a GPU */
+};
+/* Mesa 22.3 lavapipe on two cores: what plans are made for when there is no device. */
+STP_API void stp_limits_lavapipe(struct stp_limits *limits);
+/* A profile that `stipple devices --json` wrote. */
+STP_API enum stp_result stp_limits_load(const struct stp_env *env, const char *path,
+                                        struct stp_limits *limits);
+
+struct stp_plan;
+
+/* scene: prepared; and grouped when the method is deferred. */
+STP_API enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scene *scene,
+                                        const struct stp_camera *camera,
+                                        const struct stp_render_params *params,
+                                        const struct stp_limits *limits, struct stp_plan **plan);
+/* True when stp_plan_create would want stp_scene_group first, under these params and limits. */
+STP_API bool stp_plan_needs_groups(const struct stp_facts *facts,
+                                   const struct stp_render_params *params,
+                                   const struct stp_limits *limits);
+
+struct stp_plan_summary {
+    enum stp_method method; /* never AUTO */
+    enum stp_path path;
+    enum stp_payload payload;
+    enum stp_voronoi voronoi;
+    const char *why;           /* one sentence */
+    uint64_t scene_bytes, transient_bytes, output_bytes;
+    uint32_t tiles;            /* pictures are rendered in this many tiles */
+    uint32_t passes, resources;
+};
+STP_API void stp_plan_summarize(const struct stp_plan *plan, struct stp_plan_summary *summary);
+/* The plan in words: images, buffers, passes, bytes. Free with free(). NULL: out of memory. */
+STP_API char *stp_plan_print(const struct stp_plan *plan);
+STP_API void stp_plan_destroy(struct stp_plan **plan);
+
+STP_API const char *stp_method_name(enum stp_method method);
+STP_API const char *stp_path_name(enum stp_path path);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,154 @@
+/* Scenes: points in, splats out. Units are the scene's own; colours are linear Rec.709. */
+#ifndef STIPPLE_SCENE_H
+#define STIPPLE_SCENE_H
+
+#include <stipple/result.h>
+
+#ifdef __cplusplus
+extern "C" {
+#endif
+
+struct stp_scene;
+
+enum stp_up { STP_UP_AUTO = 0, STP_UP_X, STP_UP_Y, STP_UP_Z, STP_UP_NEG_Y };
+enum stp_toggle { STP_AUTO = 0, STP_ON, STP_OFF };
+enum stp_transfer { STP_TRANSFER_AUTO = 0, STP_TRANSFER_SRGB, STP_TRANSFER_LINEAR };
+enum stp_relax {
+    STP_RELAX_DEFAULT = 0, /* opposed */
+    STP_RELAX_NONE = 1,
+    STP_RELAX_COPLANAR = 2, /* ZP 4.1 (1), of one colour */
+    STP_RELAX_OPPOSED = 4,  /* ZP 4.1 (2) */
+};
+
+/* I = albedo (ambient + diffuse max(0, n.l)) + specular max(0, n.h)^shininess, summed over the
+ * lights. A NULL material means 0.1, 0.7, 0.2, 32 and albedo 0.8. */
+struct stp_material {
+    float ambient, diffuse, specular, shininess;
+    float albedo[3]; /* of points that carry no colour */
+};
+
+struct stp_light {
+    bool at_eye;         /* directional along the view axis; the default light is this one */
+    bool positional;     /* position is a point; else direction is towards the light */
+    double position[3];  /* world */
+    double direction[3]; /* world, towards the light; need not be unit */
+    float color[3];      /* linear; 1 is the default head light */
+};
+
+/* Points handed over in memory. Arrays are borrowed for the call only. */
+struct stp_points {
+    size_t count;
+    const double (*position)[3];
+    const float (*normal)[3];    /* NULL: estimated */
+    const float *radius;         /* NULL: from local spacing; 0 or NaN: that one is */
+    const float (*color)[3];     /* NULL: the material's albedo; linear */
+    const float *opacity;        /* NULL: 1 */
+};
+
+/* One object of a scene. */
+struct stp_object_params {
+    const struct stp_material *material; /* NULL: the default */
+    double epsilon;                      /* eye depth, scene units; 0: the median radius */
+    float opacity;                       /* 0: 1. Multiplies the points' own */
+};
+
+struct stp_load_params {
+    enum stp_up up;                 /* what is up; AUTO asks the file's format */
+    enum stp_transfer transfer;     /* AUTO: integer colours are sRGB, float colours linear */
+    const char *color_by;           /* NULL or "rgb", "normal", "height", "intensity", "class",
+                                       or the name of a scalar property */
+    const struct stp_material *material;
+    double epsilon;
+    float opacity;
+};
+
+/* Reads a point file (PLY, text, OFF, OBJ; gzip of any) or a scene .json (docs/scene.md). The
+ * format is found from the content, not from the name. */
+STP_API enum stp_result stp_scene_load(const struct stp_env *env, const char *path,
+                                       const struct stp_load_params *params,
+                                       struct stp_scene **scene);
+
+/* An empty scene; add points with stp_scene_add_points. */
+STP_API enum stp_result stp_scene_create(const struct stp_env *env, struct stp_scene **scene);
+STP_API enum stp_result stp_scene_add_points(const struct stp_env *env, struct stp_scene *scene,
+                                             const struct stp_points *points,
+                                             const struct stp_object_params *object);
+/* At most STP_MAX_LIGHTS; count 0 restores the head light. */
+#define STP_MAX_LIGHTS 8
+STP_API enum stp_result stp_scene_set_lights(struct stp_scene *scene, const struct stp_light *lights,
+                                             unsigned count);
+
+struct stp_prepare_params {
+    enum stp_toggle two_sided; /* AUTO: on where normals are estimated, inward, or the surface is
+                                  open (facts.outwardness below 0.1) */
+    const double *clip_box;    /* NULL, or x0 y0 z0 x1 y1 z1: points outside are left out */
+};
+
+/* Points to splats: drops what is not finite, estimates and orients missing normals, finds
+ * missing radii, and puts the splats in canonical order (Morton, then every attribute), so that
+ * nothing after it depends on the order of the file. Frees the points. Call once. */
+STP_API enum stp_result stp_scene_prepare(const struct stp_env *env, struct stp_scene *scene,
+                                          const struct stp_prepare_params *params);
+
+struct stp_group_params {
+    double overlap;     /* c of ZP 4.1 (3), (0, 1]; 0: STP_DEFAULT_OVERLAP */
+    unsigned relax;     /* enum stp_relax, or-ed; 0: opposed */
+    unsigned max_groups; /* 0: STP_MAX_GROUPS; when the colouring needs more, c is lowered */
+};
+#define STP_DEFAULT_OVERLAP 0.85
+#define STP_MAX_GROUPS      64
+
+struct stp_grouping {
+    unsigned groups;     /* K; 0: not grouped */
+    double overlap;      /* the c that was used */
+    unsigned relax;
+    unsigned max_degree; /* of the overlap graph, ZP Eq. 5 relaxed */
+    double avg_degree;
+    double milliseconds; /* graph and colouring */
+};
+
+/* ZP 4.1: overlap graph and Largest-First colouring. Needed by the deferred method only. */
+STP_API enum stp_result stp_scene_group(const struct stp_env *env, struct stp_scene *scene,
+                                        const struct stp_group_params *params);
+
+enum stp_normals { STP_NORMALS_GIVEN = 0, STP_NORMALS_ESTIMATED, STP_NORMALS_NONE };
+
+/* What is known of a scene: input to plans, printed by `stipple info`. */
+struct stp_facts {
+    size_t points;         /* read */
+    size_t splats;         /* kept */
+    size_t not_finite;     /* dropped: a coordinate was NaN or infinite */
+    size_t clipped;        /* dropped: outside the clip box */
+    size_t duplicates;     /* kept, but equal to another in every attribute */
+    size_t bad_normals;    /* zero or not finite, estimated instead */
+    size_t bad_radii;      /* zero, negative, not finite or monstrous, set from the spacing */
+    size_t outliers;       /* far from everything; their radius was bounded */
+    size_t no_normal;      /* splats that face the eye: no normal could be estimated */
+    enum stp_normals normals;
+    bool has_color, has_opacity, transparent, two_sided;
+    bool eye_dome;         /* shade by depth: normals are mostly unknown */
+    double outwardness;    /* sum r^2 n.(p - centroid) / sum r^2 |p - centroid|, [-1, 1] */
+    double bounds[6];      /* of the centres: min x y z, max x y z; absolute */
+    double origin[3];      /* positions on the device are relative to it */
+    float radius_min, radius_median, radius_max;
+    float color_max;       /* largest colour component; 0 without colours */
+    unsigned objects, lights;
+    bool positional_lights;
+    enum stp_up up;        /* resolved */
+    struct stp_grouping grouping;
+    char format[32];       /* of the (first) file, "" when made in memory */
+};
+
+/* Valid until the scene is changed or destroyed. Before prepare only points and format are set. */
+STP_API const struct stp_facts *stp_scene_facts(const struct stp_scene *scene);
+
+/* The prepared splats as a PLY that reads back bit for bit (docs/formats.md). */
+STP_API enum stp_result stp_scene_save(const struct stp_env *env, const struct stp_scene *scene,
+                                       const char *path);
+
+STP_API void stp_scene_destroy(struct stp_scene **scene);
+
+#ifdef __cplusplus
+}
+#endif
+#endif

@@ -1,0 +1,23 @@
+/* stipple: surfaces and media from points, range images and volumes, with Vulkan.
+ *
+ * The umbrella header. Only <stipple/vulkan.h> names Vulkan; include it yourself when you embed.
+ *
+ *   stp_scene_load -> stp_scene_prepare -> stp_plan_create -> stp_context_create
+ *                  -> stp_render (own context)  or  stp_resident / stp_frame (vulkan.h)
+ *
+ * Every params struct may be zeroed: zero means the default that its comment states. Every
+ * function that can fail returns enum stp_result; on failure its outputs are untouched and one
+ * line has gone to env->log. Destroy functions take the address, accept NULL and set it to NULL.
+ */
+#ifndef STIPPLE_STIPPLE_H
+#define STIPPLE_STIPPLE_H
+
+#include <stipple/result.h>
+#include <stipple/scene.h>
+#include <stipple/view.h>
+#include <stipple/image.h>
+#include <stipple/plan.h>
+#include <stipple/render.h>
+#include <stipple/compare.h>
+
+#endif

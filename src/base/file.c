@@ -1,0 +1,200 @@
+#include "base/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/mman.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+
+static enum stp_result io_error(const struct stp_env *env, const char *path, const char *verb)
+{
+    return log_error(env, STP_ERROR_IO, "%s: cannot %s: %s", path, verb, strerror(errno));
+}
+
+static enum stp_result map_file(const struct stp_env *env, const char *path, int fd,
+                                struct file_bytes *bytes)
+{
+    struct stat st;
+    if (fstat(fd, &st) != 0)
+        return io_error(env, path, "stat");
+    if (!S_ISREG(st.st_mode))
+        return log_error(env, STP_ERROR_IO, "%s: not a regular file", path);
+    *bytes = (struct file_bytes){ .size = (size_t)st.st_size };
+    if (bytes->size == 0)
+        return STP_OK;
+    void *data = mmap(NULL, bytes->size, PROT_READ, MAP_PRIVATE, fd, 0);
+    if (data == MAP_FAILED)
+        return io_error(env, path, "map");
+    bytes->data = data;
+    bytes->mapped = true;
+    return STP_OK;
+}
+
+/* Half of the machine's memory: a gzip bomb stops there, a real scan does not. */
+static size_t inflate_bound(void)
+{
+    long pages = sysconf(_SC_PHYS_PAGES), size = sysconf(_SC_PAGESIZE);
+    return pages > 0 && size > 0 ? (size_t)pages / 2 * (size_t)size : (size_t)1 << 32;
+}
+
+static enum stp_result grow(const struct stp_env *env, const char *path, unsigned char **data,
+                            size_t *capacity, size_t used)
+{
+    if (used < *capacity)
+        return STP_OK;
+    size_t wanted = *capacity * 2;
+    if (wanted > inflate_bound())
+        return log_error(env, STP_ERROR_MEMORY, "%s: inflates to more than %zu bytes", path,
+                         inflate_bound());
+    unsigned char *grown = mem_realloc(*data, wanted, 1);
+    if (!grown)
+        return log_no_memory(env, wanted, path);
+    *data = grown;
+    *capacity = wanted;
+    return STP_OK;
+}
+
+/* All members of a gzip file, one after the other. */
+static enum stp_result inflate_members(const struct stp_env *env, const char *path,
+                                       const struct file_bytes *in, z_stream *z,
+                                       unsigned char **data, size_t *capacity, size_t *size)
+{
+    size_t consumed = 0;
+    int status = Z_OK;
+    while (status != Z_STREAM_END) {
+        enum stp_result result = grow(env, path, data, capacity, *size);
+        if (result != STP_OK)
+            return result;
+        size_t room = *capacity - *size, left = in->size - consumed;
+        z->next_in = (unsigned char *)in->data + consumed;
+        z->avail_in = left > 1u << 30 ? 1u << 30 : (unsigned)left;
+        z->next_out = *data + *size;
+        z->avail_out = room > 1u << 30 ? 1u << 30 : (unsigned)room;
+        status = inflate(z, Z_NO_FLUSH);
+        consumed = (size_t)(z->next_in - in->data);
+        *size = (size_t)(z->next_out - *data);
+        if (status == Z_STREAM_END && in->size - consumed >= 18 && in->data[consumed] == 0x1f &&
+            in->data[consumed + 1] == 0x8b)
+            status = inflateReset(z);
+        else if (status != Z_OK && status != Z_STREAM_END)
+            return log_error(env, STP_ERROR_FORMAT, "%s: damaged gzip data at byte %zu", path,
+                             consumed);
+    }
+    return STP_OK;
+}
+
+static enum stp_result inflate_file(const struct stp_env *env, const char *path,
+                                    struct file_bytes *bytes)
+{
+    z_stream z = { 0 };
+    size_t capacity = bytes->size * 4 + 4096, size = 0;
+    unsigned char *data = mem_alloc(capacity, 1);
+    if (!data)
+        return log_no_memory(env, capacity, path);
+    if (inflateInit2(&z, 15 + 16) != Z_OK) {
+        mem_free(data);
+        return log_no_memory(env, sizeof z, "zlib");
+    }
+    enum stp_result result = inflate_members(env, path, bytes, &z, &data, &capacity, &size);
+    inflateEnd(&z);
+    if (result != STP_OK) {
+        mem_free(data);
+        return result;
+    }
+    file_release(bytes);
+    *bytes = (struct file_bytes){ .data = data, .size = size, .inflated = true };
+    return STP_OK;
+}
+
+enum stp_result file_read(const struct stp_env *env, const char *path, struct file_bytes *bytes)
+{
+    struct file_bytes read = { 0 };
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0)
+        return io_error(env, path, "open");
+    enum stp_result result = map_file(env, path, fd, &read);
+    close(fd);
+    if (result == STP_OK && read.size >= 18 && read.data[0] == 0x1f && read.data[1] == 0x8b)
+        result = inflate_file(env, path, &read);
+    if (result == STP_OK)
+        *bytes = read;
+    else
+        file_release(&read);
+    return result;
+}
+
+void file_release(struct file_bytes *bytes)
+{
+    if (bytes->mapped)
+        munmap((void *)bytes->data, bytes->size);
+    else if (bytes->inflated)
+        mem_free((void *)bytes->data);
+    *bytes = (struct file_bytes){ 0 };
+}
+
+enum stp_result file_begin(const struct stp_env *env, const char *path, struct file_output *out)
+{
+    struct file_output begun = { 0 };
+    size_t length = strlen(path) + 16;
+    begun.path = mem_alloc(length, 1);
+    begun.temporary = mem_alloc(length, 1);
+    if (!begun.path || !begun.temporary) {
+        file_abandon(&begun);
+        return log_no_memory(env, length, path);
+    }
+    strcpy(begun.path, path);
+    snprintf(begun.temporary, length, "%s.XXXXXX", path);
+    int fd = mkstemp(begun.temporary);
+    if (fd < 0) {
+        begun.temporary[0] = 0;
+        enum stp_result result = io_error(env, path, "write");
+        file_abandon(&begun);
+        return result;
+    }
+    mode_t mask = umask(0);
+    umask(mask);
+    fchmod(fd, 0666 & ~mask);
+    begun.stream = fdopen(fd, "wb");
+    if (!begun.stream) {
+        close(fd);
+        enum stp_result result = io_error(env, path, "write");
+        file_abandon(&begun);
+        return result;
+    }
+    *out = begun;
+    return STP_OK;
+}
+
+enum stp_result file_commit(const struct stp_env *env, struct file_output *out)
+{
+    bool whole = fflush(out->stream) == 0 && !ferror(out->stream);
+    whole = fclose(out->stream) == 0 && whole;
+    out->stream = NULL;
+    if (whole && rename(out->temporary, out->path) == 0) {
+        out->temporary[0] = 0;
+        file_abandon(out);
+        return STP_OK;
+    }
+    enum stp_result result = io_error(env, out->path, "write");
+    file_abandon(out);
+    return result;
+}
+
+void file_abandon(struct file_output *out)
+{
+    int error = errno;
+    if (out->stream)
+        fclose(out->stream);
+    if (out->temporary && out->temporary[0])
+        unlink(out->temporary);
+    mem_free(out->path);
+    mem_free(out->temporary);
+    *out = (struct file_output){ 0 };
+    errno = error;
+}

@@ -1,0 +1,30 @@
+/* Files: read whole (mapped, or inflated when gzip), written beside their place and renamed. */
+#ifndef STP_BASE_FILE_H
+#define STP_BASE_FILE_H
+
+#include <stipple/result.h>
+#include <stdio.h>
+
+struct file_bytes {
+    const unsigned char *data;
+    size_t size;
+    bool mapped, inflated;
+};
+
+/* Reads a regular file, inflating gzip (found from its magic bytes). Bounds the inflated size by
+ * the machine's memory. Logs path and errno. */
+enum stp_result file_read(const struct stp_env *env, const char *path, struct file_bytes *bytes);
+void file_release(struct file_bytes *bytes);
+
+/* A file that appears under `path` only when it is whole. */
+struct file_output {
+    FILE *stream;
+    char *path, *temporary;
+};
+enum stp_result file_begin(const struct stp_env *env, const char *path, struct file_output *out);
+/* Flushes, closes and renames; on failure removes the temporary and logs. */
+enum stp_result file_commit(const struct stp_env *env, struct file_output *out);
+/* Removes the temporary; safe after a commit or a failed begin. */
+void file_abandon(struct file_output *out);
+
+#endif
