@@ -26,9 +26,16 @@ static bool refused(size_t count, size_t size)
     return n == atomic_load(&fail_at) || (size != 0 && count > SIZE_MAX / size);
 }
 
+/* Never 0: an empty array is not a failure. */
+static size_t product(size_t count, size_t size)
+{
+    size_t bytes = count * size;
+    return bytes ? bytes : 1;
+}
+
 void *mem_alloc(size_t count, size_t size)
 {
-    return refused(count, size) ? NULL : malloc(count * size ? count * size : 1);
+    return refused(count, size) ? NULL : malloc(product(count, size));
 }
 
 void *mem_zalloc(size_t count, size_t size)
@@ -38,7 +45,7 @@ void *mem_zalloc(size_t count, size_t size)
 
 void *mem_realloc(void *old, size_t count, size_t size)
 {
-    return refused(count, size) ? NULL : realloc(old, count * size ? count * size : 1);
+    return refused(count, size) ? NULL : realloc(old, product(count, size));
 }
 
 void mem_free(void *pointer)
