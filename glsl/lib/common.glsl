@@ -45,10 +45,3 @@ layout(constant_id = 18) const bool ATOMIC64 = true;
 layout(constant_id = 19) const bool LAYERED = false;     // raster: gl_Layer from the vertex shader
 
 layout(push_constant) uniform Push { uint push_layer; uint push_first; };
-
-// Both halves of a dispatch run at once on a CPU device; neighbours then share its cache.
-uint workgroup_index()
-{
-    uint g = gl_WorkGroupID.x, count = gl_NumWorkGroups.x, half_ = (count + 1) / 2;
-    return g < half_ ? 2 * g : 2 * (g - half_) + 1;
-}

@@ -19,3 +19,10 @@ vec2 pixel_center(uvec2 p)
 {
     return vec2(p + uvec2(frame.tile_x, frame.tile_y)) + 0.5;
 }
+
+// Both halves of a dispatch run at once on a CPU device; neighbours then share its cache.
+uint workgroup_index()
+{
+    uint g = gl_WorkGroupID.x, count = gl_NumWorkGroups.x, half_ = (count + 1) / 2;
+    return g < half_ ? 2 * g : 2 * (g - half_) + 1;
+}
