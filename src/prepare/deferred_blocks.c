@@ -5,8 +5,9 @@
 #include "base/thread.h"
 
 #include <math.h>
+#include <string.h>
 
-#define GRAIN 1024 /* blocks */
+#define GRAIN 256 /* nodes */
 
 struct fill {
     const struct splats *splats;
@@ -14,16 +15,19 @@ struct fill {
     unsigned level;
 };
 
-static void box_empty(struct block_box *box)
-{
-    for (int a = 0; a < 3; a++) {
-        box->low[a] = INFINITY;
-        box->high[a] = -INFINITY;
-    }
-    box->radius = 0;
-}
+/* Two lanes at a time: every machine has vectors of 16 bytes. */
+typedef double pair __attribute__((vector_size(16)));
+typedef int64_t mask __attribute__((vector_size(16)));
 
-static void box_add(struct block_box *box, const double low[3], const double high[3], double radius)
+struct box {
+    double low[3], high[3], radius;
+};
+
+static const struct box no_box = { { INFINITY, INFINITY, INFINITY },
+                                   { -INFINITY, -INFINITY, -INFINITY },
+                                   0 };
+
+static void box_add(struct box *box, const double low[3], const double high[3], double radius)
 {
     for (int a = 0; a < 3; a++) {
         box->low[a] = low[a] < box->low[a] ? low[a] : box->low[a];
@@ -32,38 +36,66 @@ static void box_add(struct block_box *box, const double low[3], const double hig
     box->radius = radius > box->radius ? radius : box->radius;
 }
 
-static void fill_blocks(void *context, size_t begin, size_t end, unsigned worker)
+static void node_set(struct block_node *node, unsigned child, const struct box *box)
 {
-    struct fill *f = context;
-    for (size_t b = begin; b < end; b++) {
-        struct splat_block *block = &f->tree->block[b];
-        struct block_box *box = &f->tree->box[0][b];
-        box_empty(box);
-        for (int k = 0; k < BLOCK_SPLATS; k++) {
-            uint32_t id = f->tree->id[b * BLOCK_SPLATS + k];
-            bool pad = id == UINT32_MAX;
-            const double *p = pad ? NULL : f->splats->position[id];
-            block->x[k] = pad ? NAN : p[0];
-            block->y[k] = pad ? NAN : p[1];
-            block->z[k] = pad ? NAN : p[2];
-            block->radius[k] = pad ? 0 : f->splats->radius[id];
-            if (!pad)
-                box_add(box, p, p, f->splats->radius[id]);
-        }
+    for (int a = 0; a < 3; a++) {
+        node->low[a][child] = box->low[a];
+        node->high[a][child] = box->high[a];
     }
+    node->radius[child] = box->radius;
 }
 
-static void fill_boxes(void *context, size_t begin, size_t end, unsigned worker)
+static struct box node_get(const struct block_node *node, unsigned child)
+{
+    struct box box = { .radius = node->radius[child] };
+    for (int a = 0; a < 3; a++) {
+        box.low[a] = node->low[a][child];
+        box.high[a] = node->high[a][child];
+    }
+    return box;
+}
+
+static struct box fill_block(const struct fill *f, size_t b)
+{
+    struct splat_block *block = &f->tree->block[b];
+    struct box box = no_box;
+    for (size_t k = 0; k < BLOCK_SPLATS; k++) {
+        uint32_t id = f->tree->id[b * BLOCK_SPLATS + k];
+        bool pad = id == UINT32_MAX;
+        const double *p = pad ? NULL : f->splats->position[id];
+        block->x[k] = pad ? NAN : p[0];
+        block->y[k] = pad ? NAN : p[1];
+        block->z[k] = pad ? NAN : p[2];
+        block->radius[k] = pad ? 0 : f->splats->radius[id];
+        if (!pad)
+            box_add(&box, p, p, f->splats->radius[id]);
+    }
+    return box;
+}
+
+static struct box node_bounds(const struct block_node *node)
+{
+    struct box box = no_box;
+    for (unsigned k = 0; k < BLOCK_FANOUT; k++) {
+        struct box child = node_get(node, k);
+        box_add(&box, child.low, child.high, child.radius);
+    }
+    return box;
+}
+
+static void fill_nodes(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct fill *f = context;
-    const struct block_box *below = f->tree->box[f->level - 1];
-    size_t last = f->tree->count[f->level - 1];
-    for (size_t b = begin; b < end; b++) {
-        struct block_box *box = &f->tree->box[f->level][b];
-        box_empty(box);
-        for (size_t k = b * BLOCK_FANOUT; k < (b + 1) * BLOCK_FANOUT && k < last; k++)
-            box_add(box, below[k].low, below[k].high, below[k].radius);
-    }
+    const struct block_tree *t = f->tree;
+    size_t children = f->level ? t->count[f->level - 1] : t->blocks;
+    for (size_t n = begin; n < end; n++)
+        for (unsigned k = 0; k < BLOCK_FANOUT; k++) {
+            size_t child = n * BLOCK_FANOUT + k;
+            struct box box = child >= children ? no_box
+                             : f->level        ? node_bounds(&t->node[f->level - 1][child])
+                                               : fill_block(f, child);
+            node_set(&t->node[f->level][n], k, &box);
+        }
 }
 
 /* Lane to splat, in canonical order. */
@@ -79,15 +111,13 @@ static void fill_ids(const struct splats *splats, const uint8_t *skip, struct bl
 
 static size_t plan_levels(struct block_tree *tree)
 {
-    size_t boxes = 0, n = tree->blocks;
-    for (tree->levels = 0; tree->levels < BLOCK_LEVELS;) {
-        tree->count[tree->levels++] = n;
-        boxes += n;
-        if (n <= 1)
-            break;
+    size_t nodes = 0;
+    for (size_t n = tree->blocks; n > 1 || (n && !tree->levels);) {
         n = (n + BLOCK_FANOUT - 1) / BLOCK_FANOUT;
+        tree->count[tree->levels++] = n;
+        nodes += n;
     }
-    return boxes;
+    return nodes;
 }
 
 enum stp_result block_tree_build(const struct stp_env *env, const struct splats *splats,
@@ -97,21 +127,20 @@ enum stp_result block_tree_build(const struct stp_env *env, const struct splats 
     for (size_t i = 0; skip && i < splats->count; i++)
         t.splats -= skip[i] != 0;
     t.blocks = (t.splats + BLOCK_SPLATS - 1) / BLOCK_SPLATS;
-    size_t boxes = plan_levels(&t);
+    size_t nodes = plan_levels(&t);
     t.id = mem_alloc(t.blocks, BLOCK_SPLATS * sizeof *t.id);
     t.block = mem_alloc(t.blocks, sizeof *t.block);
-    t.boxes = mem_alloc(boxes, sizeof *t.boxes);
-    if (!t.id || !t.block || !t.boxes) {
+    t.nodes = mem_alloc(nodes, sizeof *t.nodes);
+    if (!t.id || !t.block || !t.nodes) {
         block_tree_release(&t);
         return log_no_memory(env, t.blocks * sizeof *t.block, "the overlap search");
     }
     fill_ids(splats, skip, &t);
     struct fill fill = { .splats = splats, .tree = &t };
-    t.box[0] = t.boxes;
-    parallel_for(env, t.blocks, GRAIN, fill_blocks, &fill);
-    for (fill.level = 1; fill.level < t.levels; fill.level++) {
-        t.box[fill.level] = t.box[fill.level - 1] + t.count[fill.level - 1];
-        parallel_for(env, t.count[fill.level], GRAIN, fill_boxes, &fill);
+    struct block_node *next = t.nodes;
+    for (; fill.level < t.levels; next += t.count[fill.level++]) {
+        t.node[fill.level] = next;
+        parallel_for(env, t.count[fill.level], GRAIN, fill_nodes, &fill);
     }
     *tree = t;
     return STP_OK;
@@ -121,36 +150,54 @@ void block_tree_release(struct block_tree *tree)
 {
     mem_free(tree->id);
     mem_free(tree->block);
-    mem_free(tree->boxes);
+    mem_free(tree->nodes);
     *tree = (struct block_tree){ 0 };
 }
 
-static bool boxes_near(const struct block_box *a, const struct block_box *b, double overlap)
+static inline pair load(const double *p)
 {
-    double squared = 0;
-    for (int k = 0; k < 3; k++) {
-        double above = a->low[k] - b->high[k], below = b->low[k] - a->high[k];
-        double gap = above > below ? above : below;
-        gap = gap > 0 ? gap : 0;
+    pair v;
+    memcpy(&v, p, sizeof v);
+    return v;
+}
+
+/* Lanes k and k + 1 of the node: is the child within reach of the box? */
+static inline mask pair_near(const struct block_node *n, int k, const struct box *box,
+                             double overlap)
+{
+    pair squared = { 0, 0 };
+    for (int a = 0; a < 3; a++) {
+        pair above = load(&n->low[a][k]) - box->high[a], below = box->low[a] - load(&n->high[a][k]);
+        mask positive = above > 0, negative = below > 0;
+        pair gap = (pair)(((mask)above & positive) | ((mask)below & negative));
         squared += gap * gap;
     }
-    double reach = overlap * (a->radius + b->radius);
+    pair reach = overlap * (load(&n->radius[k]) + box->radius);
     return squared < reach * reach;
 }
 
-/* A depth-first walk in ascending order. */
+/* A bit a child. */
+static inline unsigned children_near(const struct block_node *n, const struct box *box,
+                                     double overlap)
+{
+    mask bits = (pair_near(n, 0, box, overlap) & (mask){ 1, 2 }) |
+                (pair_near(n, 2, box, overlap) & (mask){ 4, 8 });
+    return (unsigned)(bits[0] | bits[1]);
+}
+
+/* A depth-first walk, ascending. */
 struct walk {
     const struct block_tree *tree;
     unsigned depth;
     struct {
-        uint32_t box;
+        uint32_t node;
         unsigned level;
     } stack[BLOCK_LEVELS * BLOCK_FANOUT];
 };
 
-static void walk_push(struct walk *w, size_t box, unsigned level)
+static void walk_push(struct walk *w, size_t node, unsigned level)
 {
-    w->stack[w->depth].box = (uint32_t)box;
+    w->stack[w->depth].node = (uint32_t)node;
     w->stack[w->depth++].level = level;
 }
 
@@ -158,33 +205,30 @@ static void walk_start(struct walk *w, const struct block_tree *tree)
 {
     w->tree = tree;
     w->depth = 0;
-    if (tree->blocks)
+    if (tree->levels)
         walk_push(w, 0, tree->levels - 1);
 }
 
-static void walk_descend(struct walk *w, size_t box, unsigned level)
+static void walk_push_children(struct walk *w, size_t node, unsigned level, unsigned children)
 {
-    size_t first = box * BLOCK_FANOUT, end = first + BLOCK_FANOUT;
-    if (end > w->tree->count[level - 1])
-        end = w->tree->count[level - 1];
-    while (end-- > first)
-        walk_push(w, end, level - 1);
+    for (unsigned k = BLOCK_FANOUT; k-- > 0;)
+        if (children >> k & 1)
+            walk_push(w, node * BLOCK_FANOUT + k, level - 1);
 }
 
 size_t block_tree_near(const struct block_tree *tree, size_t b, double overlap, uint32_t *found)
 {
     struct walk w;
     size_t count = 0;
-    const struct block_box *self = &tree->box[0][b];
+    const struct box self = node_get(&tree->node[0][b / BLOCK_FANOUT], b % BLOCK_FANOUT);
     for (walk_start(&w, tree); w.depth;) {
-        uint32_t box = w.stack[--w.depth].box;
+        uint32_t node = w.stack[--w.depth].node;
         unsigned level = w.stack[w.depth].level;
-        if (!boxes_near(self, &tree->box[level][box], overlap))
-            continue;
-        if (level == 0)
-            found[count++] = box;
-        else
-            walk_descend(&w, box, level);
+        unsigned children = children_near(&tree->node[level][node], &self, overlap);
+        if (level)
+            walk_push_children(&w, node, level, children);
+        for (; !level && children; children &= children - 1)
+            found[count++] = node * BLOCK_FANOUT + (uint32_t)__builtin_ctz(children);
     }
     return count;
 }
@@ -196,13 +240,19 @@ struct crowd {
     uint8_t *skip;
 };
 
-/* Could a splat under this box come before `id` of that radius? */
-static bool may_precede(const struct block_tree *tree, size_t box, unsigned level, double radius,
-                        uint32_t id)
+/* The children under which a splat may come before `id` of that radius. */
+static unsigned children_before(const struct block_tree *tree, size_t node, unsigned level,
+                                double radius, uint32_t id)
 {
-    double largest = tree->box[level][box].radius;
-    size_t lane = (box << (2 * level)) * BLOCK_SPLATS;
-    return largest > radius || (largest == radius && tree->id[lane] < id);
+    unsigned children = 0;
+    for (unsigned k = 0; k < BLOCK_FANOUT; k++) {
+        double largest = tree->node[level][node].radius[k];
+        size_t lane = ((node * BLOCK_FANOUT + k) << (2 * level)) * BLOCK_SPLATS;
+        bool before = largest > radius || (largest == radius && lane < tree->splats &&
+                                           tree->id[lane] < id);
+        children |= (unsigned)before << k;
+    }
+    return children;
 }
 
 /* How many of block b's splats come before lane `self` and overlap it. */
@@ -226,22 +276,21 @@ static bool is_crowded(const struct crowd *c, size_t lane)
     const struct block_tree *tree = c->tree;
     const struct splat_block *block = &tree->block[lane / BLOCK_SPLATS];
     size_t k = lane % BLOCK_SPLATS;
-    struct block_box self;
     const double p[3] = { block->x[k], block->y[k], block->z[k] };
-    box_empty(&self);
+    struct box self = no_box;
     box_add(&self, p, p, block->radius[k]);
     unsigned before = 0;
     struct walk w;
     for (walk_start(&w, tree); w.depth && before < c->limit;) {
-        uint32_t box = w.stack[--w.depth].box;
+        uint32_t node = w.stack[--w.depth].node;
         unsigned level = w.stack[w.depth].level;
-        if (!may_precede(tree, box, level, self.radius, tree->id[lane]) ||
-            !boxes_near(&self, &tree->box[level][box], c->overlap))
-            continue;
-        if (level == 0)
-            before += preceding(tree, box, lane, c->overlap);
-        else
-            walk_descend(&w, box, level);
+        unsigned children = children_near(&tree->node[level][node], &self, c->overlap) &
+                            children_before(tree, node, level, self.radius, tree->id[lane]);
+        if (level)
+            walk_push_children(&w, node, level, children);
+        for (; !level && children; children &= children - 1)
+            before += preceding(tree, node * BLOCK_FANOUT + (unsigned)__builtin_ctz(children), lane,
+                                c->overlap);
     }
     return before >= c->limit;
 }
@@ -262,7 +311,7 @@ enum stp_result block_tree_crowded(const struct stp_env *env, const struct splat
     if (result != STP_OK)
         return result;
     struct crowd crowd = { &tree, overlap, limit, skip };
-    parallel_for(env, tree.splats, GRAIN * BLOCK_SPLATS, mark_crowded, &crowd);
+    parallel_for(env, tree.splats, 8192, mark_crowded, &crowd);
     *count = 0;
     for (size_t i = 0; i < splats->count; i++)
         *count += skip[i] == 2;

@@ -8,24 +8,27 @@
 
 #define BLOCK_SPLATS 8
 #define BLOCK_FANOUT 4
-#define BLOCK_LEVELS 17
+#define BLOCK_LEVELS 16
 
 struct splat_block {
     double x[BLOCK_SPLATS], y[BLOCK_SPLATS], z[BLOCK_SPLATS], radius[BLOCK_SPLATS]; /* NaN pads */
 };
 
-struct block_box {
-    double low[3], high[3], radius;
+/* The boxes of four children: bounds of the centres, and the largest radius. Absent children have
+ * inverted bounds: nothing is near them. */
+struct block_node {
+    double low[3][BLOCK_FANOUT], high[3][BLOCK_FANOUT], radius[BLOCK_FANOUT];
 };
 
 struct block_tree {
     size_t splats, blocks;
     uint32_t *id; /* of each lane, ascending; UINT32_MAX pads */
     struct splat_block *block;
-    unsigned levels;
-    size_t count[BLOCK_LEVELS];          /* boxes at each level; level 0 has one a block */
-    struct block_box *box[BLOCK_LEVELS]; /* children of box k are 4k to 4k + 3 a level below */
-    struct block_box *boxes;             /* owns them all */
+    unsigned levels; /* the last has one node; 0 when there are no blocks */
+    size_t count[BLOCK_LEVELS];
+    struct block_node *node[BLOCK_LEVELS]; /* children of node k are 4k to 4k + 3: nodes of the
+                                              level below, and blocks at level 0 */
+    struct block_node *nodes;              /* owns them all */
 };
 
 /* skip: NULL, or nonzero where a splat is left out. */

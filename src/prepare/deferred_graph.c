@@ -89,32 +89,56 @@ static bool rows_reserve(struct rows *rows, size_t more)
     return true;
 }
 
-/* hit[k]: does lane k of `block` overlap the splat? Written so that it becomes vector code. */
-static void overlapping(const struct splat_block *block, const double p[3], double radius,
-                        double overlap, uint8_t hit[BLOCK_SPLATS])
+/* Two lanes at a time: every machine has vectors of 16 bytes. */
+typedef double pair __attribute__((vector_size(16)));
+typedef int64_t mask __attribute__((vector_size(16)));
+
+static inline pair load(const double *p)
 {
-    for (int k = 0; k < BLOCK_SPLATS; k++) {
-        double dx = p[0] - block->x[k], dy = p[1] - block->y[k], dz = p[2] - block->z[k];
-        double t = overlap * (radius + block->radius[k]);
-        hit[k] = dx * dx + dy * dy + dz * dz < t * t;
-    }
+    pair v;
+    memcpy(&v, p, sizeof v);
+    return v;
 }
 
-/* Appends splat i's neighbours among one block's; the room is there. */
-static void append_row(const struct build *b, uint32_t block, uint32_t i, struct rows *rows)
+/* Lanes k and k + 1 of the block: does it overlap the splat? */
+static inline mask pair_overlaps(const struct splat_block *block, int k, const double p[3],
+                                 double radius, double overlap)
+{
+    pair dx = p[0] - load(&block->x[k]), dy = p[1] - load(&block->y[k]),
+         dz = p[2] - load(&block->z[k]);
+    pair t = overlap * (radius + load(&block->radius[k]));
+    return dx * dx + dy * dy + dz * dz < t * t;
+}
+
+/* A bit a lane. */
+static inline unsigned overlapping(const struct splat_block *block, const double p[3],
+                                   double radius, double overlap)
+{
+    mask bits = (pair_overlaps(block, 0, p, radius, overlap) & (mask){ 1, 2 }) |
+                (pair_overlaps(block, 2, p, radius, overlap) & (mask){ 4, 8 }) |
+                (pair_overlaps(block, 4, p, radius, overlap) & (mask){ 16, 32 }) |
+                (pair_overlaps(block, 6, p, radius, overlap) & (mask){ 64, 128 });
+    return (unsigned)(bits[0] | bits[1]);
+}
+
+/* Splat i's neighbours among the candidate blocks; the room is there. */
+static size_t write_row(const struct build *b, const uint32_t *near, size_t count, uint32_t i,
+                        uint32_t *row)
 {
     const struct splats *s = b->splats;
-    const uint32_t *id = &b->tree->id[(size_t)block * BLOCK_SPLATS];
     const unsigned relax = b->params->relax & (STP_RELAX_OPPOSED | STP_RELAX_COPLANAR);
-    uint8_t hit[BLOCK_SPLATS];
-    uint64_t any;
-    overlapping(&b->tree->block[block], s->position[i], s->radius[i], b->params->overlap, hit);
-    memcpy(&any, hit, sizeof any);
-    if (!any)
-        return;
-    for (int k = 0; k < BLOCK_SPLATS; k++)
-        if (hit[k] && id[k] != i && !(relax && overlap_relaxed(s, relax, i, id[k])))
-            rows->data[rows->size++] = id[k];
+    const double radius = s->radius[i], overlap = b->params->overlap;
+    size_t degree = 0;
+    for (size_t c = 0; c < count; c++) {
+        const uint32_t *id = &b->tree->id[(size_t)near[c] * BLOCK_SPLATS];
+        unsigned hits = overlapping(&b->tree->block[near[c]], s->position[i], radius, overlap);
+        for (; hits; hits &= hits - 1) {
+            uint32_t j = id[__builtin_ctz(hits)];
+            row[degree] = j;
+            degree += j != i && !(relax && overlap_relaxed(s, relax, i, j));
+        }
+    }
+    return degree;
 }
 
 static bool out_of_proportion(struct build *b, size_t edges, size_t searched)
@@ -131,16 +155,14 @@ static bool build_block(struct build *b, size_t block, struct rows *rows, struct
     size_t begin = rows->size;
     for (int k = 0; k < BLOCK_SPLATS; k++) {
         uint32_t i = b->tree->id[block * BLOCK_SPLATS + k];
-        size_t start = rows->size;
         if (i == UINT32_MAX)
             break;
         if (!rows_reserve(rows, near * BLOCK_SPLATS)) {
             atomic_store(&b->no_memory, true);
             return false;
         }
-        for (size_t c = 0; c < near; c++)
-            append_row(b, worker->near[c], i, rows);
-        size_t degree = rows->size - start;
+        size_t degree = write_row(b, worker->near, near, i, rows->data + rows->size);
+        rows->size += degree;
         b->graph->first[i] = degree;
         worker->max_degree = degree > worker->max_degree ? (unsigned)degree : worker->max_degree;
     }
