@@ -248,8 +248,8 @@ static unsigned children_before(const struct block_tree *tree, size_t node, unsi
     for (unsigned k = 0; k < BLOCK_FANOUT; k++) {
         double largest = tree->node[level][node].radius[k];
         size_t lane = ((node * BLOCK_FANOUT + k) << (2 * level)) * BLOCK_SPLATS;
-        bool before = largest > radius || (largest == radius && lane < tree->splats &&
-                                           tree->id[lane] < id);
+        bool before =
+            largest > radius || (largest == radius && lane < tree->splats && tree->id[lane] < id);
         children |= (unsigned)before << k;
     }
     return children;

@@ -124,9 +124,10 @@ static enum stp_result bisect(struct grouping *g, double low, double high)
 static enum stp_result lower_overlap(struct grouping *g, double overlap)
 {
     double least = overlap < GROUP_MIN_OVERLAP ? overlap : GROUP_MIN_OVERLAP;
+    unsigned limit = g->max_groups > 1 ? g->max_groups / 2 : 1; /* the rest is for what is around */
     bool fits = false;
     enum stp_result result =
-        block_tree_crowded(g->env, g->splats, least, g->max_groups, g->skip, &g->crowded);
+        block_tree_crowded(g->env, g->splats, least, limit, g->skip, &g->crowded);
     if (result == STP_OK && g->crowded)
         result = try_overlap(g, overlap, false, &fits);
     if (result != STP_OK || fits)

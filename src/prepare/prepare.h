@@ -60,10 +60,11 @@ enum stp_result largest_first_color(const struct stp_env *env, const struct over
  * - A splat equal to its predecessor in every attribute takes that one's group and no part in the
  *   graph: either of them winning a pixel gives the same fragment, counted once instead of twice.
  * - Where more than max_groups are needed, splats that are crowded even at c = GROUP_MIN_OVERLAP
- *   (max_groups others that overlap them there precede them, by radius descending, then id) leave
- *   the graph and are spread over the groups in turn; then c is lowered, by bisection in 64ths of
- *   the way to GROUP_MIN_OVERLAP, until the rest fits. A warning says both; facts.grouping.crowded
- *   counts those that may share a group with one they overlap.
+ *   (max_groups / 2 others that overlap them there precede them, by radius descending, then id)
+ *   leave the graph and are spread over the groups in turn, so that a heap in one place costs the
+ *   rest nothing. If that is not enough, c is lowered, by bisection in 64ths of the way to
+ *   GROUP_MIN_OVERLAP, until the rest fits. A warning says both; facts.grouping.crowded counts
+ *   the splats that may share a group with one they overlap.
  * - So a million coincident splats are grouped too, in time and memory in proportion. */
 #define GROUP_MIN_OVERLAP 0.1
 enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,
