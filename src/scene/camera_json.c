@@ -147,9 +147,9 @@ static void center(struct stp_camera *c, double f)
     c->cy = c->height / 2.0;
 }
 
-static double focal_of_fov(double degrees, uint32_t height)
+double camera_focal(bool orthographic, double lens, uint32_t height)
 {
-    return height / 2.0 / tan(degrees * PI / 360);
+    return orthographic ? height / lens : height / 2.0 / tan(lens * PI / 360);
 }
 
 static enum stp_result get_lens(const struct json_at *at, const cJSON *object,
@@ -177,8 +177,7 @@ static enum stp_result get_lens(const struct json_at *at, const cJSON *object,
         return json_error(at, "ortho_height", "must be positive");
     if (has_intrinsics)
         return get_intrinsics(at, object, out);
-    center(&out->camera,
-           has_fov ? focal_of_fov(fov, out->camera.height) : out->camera.height / height);
+    center(&out->camera, camera_focal(has_height, has_fov ? fov : height, out->camera.height));
     return STP_OK;
 }
 

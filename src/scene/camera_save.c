@@ -14,11 +14,6 @@ static void put(FILE *out, const char *before, double value, const char *after)
     fprintf(out, "%s%s%s", before, json_number_text(value, text), after);
 }
 
-static double focal(const struct stp_camera *c, double lens)
-{
-    return c->orthographic ? c->height / lens : c->height / 2.0 / tan(lens * PI / 360);
-}
-
 /* The field of view (degrees) or height that loads as exactly this camera; 0: there is none, and
  * intrinsics must be written. */
 static double exact_lens(const struct stp_camera *c)
@@ -28,9 +23,9 @@ static double exact_lens(const struct stp_camera *c)
     double lens = c->orthographic ? c->height / c->fy : atan(c->height / 2.0 / c->fy) * 360 / PI;
     double up = lens, down = lens;
     for (int ulps = 0; ulps < 8; ulps++) {
-        if (focal(c, up) == c->fy)
+        if (camera_focal(c->orthographic, up, c->height) == c->fy)
             return up;
-        if (focal(c, down) == c->fy)
+        if (camera_focal(c->orthographic, down, c->height) == c->fy)
             return down;
         up = nextafter(up, INFINITY);
         down = nextafter(down, 0);
