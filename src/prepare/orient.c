@@ -11,11 +11,19 @@
 #define BLOCK        16384
 #define NO_COMPONENT UINT32_MAX
 
+/* What is turned. */
+struct surface {
+    size_t count;
+    const double (*position)[3];
+    float (*normal)[3];
+    const float *spacing;
+    const uint32_t (*neighbour)[SURROUND_GRAPH];
+};
+
 /* --- edges ------------------------------------------------------------------------------- */
 
 struct edges {
-    const struct splats *splats;
-    const uint32_t (*neighbour)[SURROUND_GRAPH];
+    const struct surface *surface;
     size_t count;
     size_t *first;  /* a block */
     uint64_t *key;  /* quantised weight; stable sorting breaks ties by id */
@@ -30,17 +38,17 @@ static bool is_unknown(const float n[3])
 /* An edge that both ends list is that of the lower one. */
 static bool owns_edge(const struct edges *e, size_t i, uint32_t j)
 {
-    if (j == NO_NEIGHBOUR || is_unknown(e->splats->normal[j]))
+    if (j == NO_NEIGHBOUR || is_unknown(e->surface->normal[j]))
         return false;
     if (i < j)
         return true;
     for (unsigned k = 0; k < SURROUND_GRAPH; k++)
-        if (e->neighbour[j][k] == i)
+        if (e->surface->neighbour[j][k] == i)
             return false;
     return true;
 }
 
-static double dot_normals(const struct splats *s, size_t i, size_t j)
+static double dot_normals(const struct surface *s, size_t i, size_t j)
 {
     return v3_dot(v3_loadf(s->normal[i]), v3_loadf(s->normal[j]));
 }
@@ -50,12 +58,12 @@ static void edge_range(void *context, size_t begin, size_t end, unsigned worker)
     struct edges *e = context;
     size_t at = e->key ? e->first[begin / BLOCK] : 0;
     for (size_t i = begin; i < end; i++)
-        for (unsigned k = 0; k < SURROUND_GRAPH && !is_unknown(e->splats->normal[i]); k++) {
-            uint32_t j = e->neighbour[i][k];
+        for (unsigned k = 0; k < SURROUND_GRAPH && !is_unknown(e->surface->normal[i]); k++) {
+            uint32_t j = e->surface->neighbour[i][k];
             if (!owns_edge(e, i, j))
                 continue;
             if (e->key) {
-                double weight = 1 - fabs(dot_normals(e->splats, i, j));
+                double weight = 1 - fabs(dot_normals(e->surface, i, j));
                 e->key[at] = (uint64_t)(fmax(weight, 0) * 65535.0);
                 e->slot[at] = (uint32_t)(i * SURROUND_GRAPH + k);
             }
@@ -75,7 +83,7 @@ static void edges_release(struct edges *e)
 /* Lightest first. */
 static enum stp_result edges_build(const struct stp_env *env, struct edges *e)
 {
-    size_t points = e->splats->count, blocks = (points + BLOCK - 1) / BLOCK;
+    size_t points = e->surface->count, blocks = (points + BLOCK - 1) / BLOCK;
     e->first = mem_alloc(blocks, sizeof *e->first);
     if (!e->first)
         return log_no_memory(env, blocks * sizeof *e->first, "edges");
@@ -128,19 +136,20 @@ static void join(struct forest *f, uint32_t i, uint32_t j, bool opposed)
 
 static void grow_forest(struct forest *f, const struct edges *e)
 {
-    for (size_t i = 0; i < e->splats->count; i++) {
+    for (size_t i = 0; i < e->surface->count; i++) {
         f->parent[i] = (uint32_t)i;
         f->size[i] = 1;
         f->against[i] = 0;
     }
     for (size_t n = 0; n < e->count; n++) {
-        uint32_t i = e->slot[n] / SURROUND_GRAPH, j = e->neighbour[i][e->slot[n] % SURROUND_GRAPH];
-        join(f, i, j, dot_normals(e->splats, i, j) < 0);
+        uint32_t i = e->slot[n] / SURROUND_GRAPH,
+                 j = e->surface->neighbour[i][e->slot[n] % SURROUND_GRAPH];
+        join(f, i, j, dot_normals(e->surface, i, j) < 0);
     }
 }
 
 /* Turns each splat to the side of its root; parent[i] becomes the root of i. */
-static void turn_to_root(struct forest *f, struct splats *s)
+static void turn_to_root(struct forest *f, const struct surface *s)
 {
     for (size_t i = 0; i < s->count; i++) {
         uint8_t against;
@@ -199,7 +208,7 @@ static bool is_inward(const struct component *c, struct vec3 up)
 }
 
 /* Sums run in canonical order. component[i] is NO_COMPONENT where the normal is unknown. */
-static void measure_components(const struct splats *s, const uint32_t *component,
+static void measure_components(const struct surface *s, const uint32_t *component,
                                struct component *c, struct vec3 origin)
 {
     for (size_t i = 0; i < s->count; i++) {
@@ -212,10 +221,10 @@ static void measure_components(const struct splats *s, const uint32_t *component
     for (size_t i = 0; i < s->count; i++)
         if (component[i] != NO_COMPONENT)
             add_to_component(&c[component[i]], v3_sub(v3_load(s->position[i]), origin),
-                             v3_loadf(s->normal[i]), (double)s->radius[i]);
+                             v3_loadf(s->normal[i]), (double)s->spacing[i]);
 }
 
-static void turn_outward(struct splats *s, const uint32_t *component, struct component *c,
+static void turn_outward(const struct surface *s, const uint32_t *component, struct component *c,
                          size_t count, struct vec3 up)
 {
     for (size_t i = 0; i < count; i++)
@@ -227,7 +236,7 @@ static void turn_outward(struct splats *s, const uint32_t *component, struct com
 }
 
 /* root[i] -> dense numbers in the order of their first splats; returns how many. */
-static size_t number_components(const struct splats *s, uint32_t *root, uint32_t *scratch)
+static size_t number_components(const struct surface *s, uint32_t *root, uint32_t *scratch)
 {
     size_t components = 0;
     memset(scratch, 0xff, s->count * sizeof *scratch);
@@ -241,8 +250,8 @@ static size_t number_components(const struct splats *s, uint32_t *root, uint32_t
     return components;
 }
 
-static enum stp_result orient(const struct stp_env *env, struct splats *s, struct edges *edges,
-                              struct forest *f, struct vec3 up)
+static enum stp_result orient(const struct stp_env *env, const struct surface *s,
+                              struct edges *edges, struct forest *f, struct vec3 up)
 {
     enum stp_result result = edges_build(env, edges);
     if (result != STP_OK)
@@ -259,21 +268,23 @@ static enum stp_result orient(const struct stp_env *env, struct splats *s, struc
     return STP_OK;
 }
 
-enum stp_result orient_normals(const struct stp_env *env, struct splats *splats,
-                               const uint32_t (*neighbour)[SURROUND_GRAPH], struct vec3 up)
+enum stp_result orient_normals(const struct stp_env *env, const struct places *places,
+                               struct surroundings *all, struct vec3 up)
 {
-    size_t count = splats->count;
+    size_t count = places->count;
     if (count > UINT32_MAX / SURROUND_GRAPH)
         return log_error(env, STP_ERROR_MEMORY, "normals can be estimated for %u points at most",
                          UINT32_MAX / SURROUND_GRAPH);
-    struct edges edges = { .splats = splats, .neighbour = neighbour };
+    struct surface surface = { count, places->position, all->normal, all->spacing,
+                               (const uint32_t(*)[SURROUND_GRAPH])all->neighbour };
+    struct edges edges = { .surface = &surface };
     struct forest f = { mem_alloc(count, sizeof *f.parent), mem_alloc(count, sizeof *f.size),
                         mem_alloc(count, sizeof *f.against) };
     enum stp_result result = STP_OK;
     if (!f.parent || !f.size || !f.against)
         result = log_no_memory(env, count * 9, "the orientation of normals");
     else if (count > 0)
-        result = orient(env, splats, &edges, &f, up);
+        result = orient(env, &surface, &edges, &f, up);
     edges_release(&edges);
     mem_free(f.parent);
     mem_free(f.size);

@@ -57,11 +57,12 @@ bool radii_are_suspect(const float *radius, size_t count, float median)
 }
 
 struct radii {
+    size_t count;
+    const struct places *places;
     const struct neighbour_tree *tree;
     const struct surroundings *all;
     float *radius;
-    float median;    /* of the radii, or of the spacings */
-    float otherwise; /* where there is no spacing at all */
+    float median; /* of the radii, or of the spacings */
     size_t *per_worker;
 };
 
@@ -72,7 +73,7 @@ static void monster_range(void *context, size_t begin, size_t end, unsigned work
         struct surrounding around;
         if (!is_suspect(r->radius[i], r->median))
             continue;
-        surrounding_of(r->tree, i, &around);
+        surrounding_of(r->tree, place_of(r->places, i), &around);
         if ((double)r->radius[i] > MONSTER_OF_SPACING * around.spacing) {
             r->radius[i] = 0;
             r->per_worker[worker]++;
@@ -88,7 +89,7 @@ static enum stp_result count_over(const struct stp_env *env, struct radii *r, ra
     r->per_worker = mem_zalloc(threads, sizeof *r->per_worker);
     if (!r->per_worker)
         return log_no_memory(env, threads * sizeof *r->per_worker, "counters");
-    parallel_for(env, r->tree->count, GRAIN, fn, r);
+    parallel_for(env, r->count, GRAIN, fn, r);
     *count = 0;
     for (unsigned worker = 0; worker < threads; worker++)
         *count += r->per_worker[worker];
@@ -96,10 +97,13 @@ static enum stp_result count_over(const struct stp_env *env, struct radii *r, ra
     return STP_OK;
 }
 
-enum stp_result radii_blank_monsters(const struct stp_env *env, const struct neighbour_tree *tree,
-                                     float *radius, float median, size_t *count)
+enum stp_result radii_blank_monsters(const struct stp_env *env, const struct places *places,
+                                     const struct neighbour_tree *tree, float *radius,
+                                     size_t splats, float median, size_t *count)
 {
-    struct radii r = { .tree = tree, .radius = radius, .median = median };
+    struct radii r = {
+        .count = splats, .places = places, .tree = tree, .radius = radius, .median = median
+    };
     return count_over(env, &r, monster_range, count);
 }
 
@@ -120,38 +124,39 @@ static void fill_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct radii *r = context;
     for (size_t i = begin; i < end; i++) {
-        double spacing = (double)r->all->spacing[i], local, bound;
+        size_t place = place_of(r->places, i);
+        double spacing = (double)r->all->spacing[place], local, bound;
         if (r->radius[i] > 0)
             continue;
-        local = local_median(r->all, i);
+        local = local_median(r->all, place);
         bound =
             fmin(local > 0 ? PLATE_OF_LOCAL * local : INFINITY, PLATE_OF_ALL * (double)r->median);
         if (!radius_is_good((float)spacing))
-            spacing = local > 0 ? local : (double)r->otherwise;
+            spacing = local > 0 ? local : (double)r->median;
         else if (spacing > bound)
             r->per_worker[worker]++;
         r->radius[i] = (float)fmin(fmax(fmin(spacing, bound), (double)SMALLEST), (double)LARGEST);
     }
 }
 
-static double largest_coordinate(const struct neighbour_tree *tree)
+static double largest_coordinate(const struct places *places)
 {
     double most = 0;
-    for (size_t i = 0; i < tree->count; i++)
+    for (size_t i = 0; i < places->count; i++)
         for (int axis = 0; axis < 3; axis++)
-            most = fmax(most, fabs(tree->position[i][axis]));
+            most = fmax(most, fabs(places->position[i][axis]));
     return most;
 }
 
-enum stp_result radii_fill(const struct stp_env *env, const struct neighbour_tree *tree,
-                           const struct surroundings *all, float *radius, size_t *outliers)
+enum stp_result radii_fill(const struct stp_env *env, const struct places *places,
+                           const struct surroundings *all, float *radius, size_t splats,
+                           size_t *outliers)
 {
-    struct radii r = { .tree = tree, .all = all, .radius = radius };
-    enum stp_result result = radii_median(env, all->spacing, tree->count, &r.median);
+    struct radii r = { .count = splats, .places = places, .all = all, .radius = radius };
+    enum stp_result result = radii_median(env, all->spacing, places->count, &r.median);
     if (result != STP_OK)
         return result;
     if (r.median == 0)
-        r.median = (float)fmax(1, 1e-6 * largest_coordinate(tree));
-    r.otherwise = r.median;
+        r.median = (float)fmax(1, 1e-6 * largest_coordinate(places));
     return count_over(env, &r, fill_range, outliers);
 }

@@ -43,35 +43,6 @@ static void fit_plane(const struct neighbour_tree *t, size_t i, const struct nei
     eigen_symmetric(covariance, plane->value, plane->vector);
 }
 
-static bool same_place(const struct neighbour_tree *t, uint32_t a, uint32_t b)
-{
-    return t->position[a][0] == t->position[b][0] && t->position[a][1] == t->position[b][1] &&
-           t->position[a][2] == t->position[b][2];
-}
-
-static bool is_repeated(const struct neighbour_tree *t, const struct neighbours *n, unsigned j)
-{
-    for (unsigned k = j; k-- > 0 && n->distance[k] == n->distance[j];)
-        if (same_place(t, n->id[k], n->id[j]))
-            return true;
-    return false;
-}
-
-/* Counts the points of one place once. *found: whether the rank was reached. */
-static double distance_of_rank(const struct neighbour_tree *t, const struct neighbours *n,
-                               unsigned rank, bool *found)
-{
-    double last = 0;
-    unsigned places = 0;
-    for (unsigned j = 0; j < n->count && places < rank; j++)
-        if (n->distance[j] > 0 && !is_repeated(t, n, j)) {
-            last = n->distance[j];
-            places++;
-        }
-    *found = places == rank;
-    return sqrt(last);
-}
-
 /* To the nearest neighbour seen at more than 30 degrees from the line; 0: none. */
 static double distance_off_line(const struct neighbour_tree *t, size_t i,
                                 const struct neighbours *n, const double line[3])
@@ -95,25 +66,30 @@ static bool on_a_line(const struct plane *plane)
     return !(plane->value[1] > ON_A_LINE * plane->value[2]);
 }
 
+/* Where there are fewer than rank: to the last. */
+static double distance_of_rank(const struct neighbours *n, unsigned rank)
+{
+    unsigned at = n->count < rank ? n->count : rank;
+    return at > 0 ? sqrt(n->distance[at - 1]) : 0;
+}
+
 void surrounding_of(const struct neighbour_tree *tree, size_t i, struct surrounding *s)
 {
     struct neighbours n;
     struct plane plane;
-    bool found;
-    unsigned rank = rank_of_spacing(tree->count), k = SURROUND_NEAREST;
+    unsigned k = SURROUND_NEAREST;
     neighbours_of(tree, i, k, &n);
     for (unsigned j = 0; j < SURROUND_GRAPH; j++)
         s->neighbour[j] = j < n.count ? n.id[j] : NO_NEIGHBOUR;
+    s->spacing = distance_of_rank(&n, rank_of_spacing(tree->count));
     fit_plane(tree, i, &n, &plane);
-    s->spacing = distance_of_rank(tree, &n, rank, &found);
     bool line = on_a_line(&plane);
     double direction[3];
     memcpy(direction, plane.vector[2], sizeof direction);
-    while ((!found || on_a_line(&plane)) && k < MAX_NEAREST && n.count == k) {
+    while (on_a_line(&plane) && k < MAX_NEAREST && n.count == k) {
         k = k < MAX_NEAREST / 2 ? MAX_NEAREST / 2 : MAX_NEAREST;
         neighbours_of(tree, i, k, &n);
         fit_plane(tree, i, &n, &plane);
-        s->spacing = distance_of_rank(tree, &n, rank, &found);
     }
     if (line && !on_a_line(&plane))
         s->spacing = fmax(s->spacing, distance_off_line(tree, i, &n, direction));
