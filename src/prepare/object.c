@@ -103,6 +103,7 @@ static enum stp_result fill_from_surroundings(const struct stp_env *env, struct 
     enum stp_result result = surroundings_find(env, &need->tree, need->all_normals, &all);
     if (result != STP_OK)
         return result;
+    neighbour_tree_release(&need->tree); /* its work is done: orientation needs the room */
     result = fill_radii(env, need, &all, facts);
     if (need->all_normals && result == STP_OK)
         result = orient_normals(env, &need->places, &all, up);

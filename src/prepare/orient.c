@@ -6,9 +6,8 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
-#include "prepare/radix.h"
 
-#define BLOCK        16384
+#define WEIGHTS      4096
 #define NO_COMPONENT UINT32_MAX
 
 /* What is turned. */
@@ -22,12 +21,13 @@ struct surface {
 
 /* --- edges ------------------------------------------------------------------------------- */
 
+/* Edges as SURROUND_GRAPH times the point, plus which neighbour; sorted by weight by counting, so
+ * that nothing but this one array is needed. Ties stay in the order of ids. */
 struct edges {
     const struct surface *surface;
-    size_t count;
-    size_t *first;  /* a block */
-    uint64_t *key;  /* quantised weight; stable sorting breaks ties by id */
-    uint32_t *slot; /* SURROUND_GRAPH times the point, plus which neighbour */
+    size_t count, block;
+    uint32_t *slot;
+    size_t (*bins)[WEIGHTS]; /* a block: counts, then where the next edge of a weight goes */
 };
 
 static bool is_unknown(const float n[3])
@@ -53,53 +53,55 @@ static double dot_normals(const struct surface *s, size_t i, size_t j)
     return v3_dot(v3_loadf(s->normal[i]), v3_loadf(s->normal[j]));
 }
 
+/* Linear in the angle between the planes, where that is small. */
+static unsigned weight_of(const struct surface *s, size_t i, uint32_t j)
+{
+    double weight = 1 - fabs(dot_normals(s, i, j));
+    return weight > 0 ? (unsigned)(sqrt(weight) * (WEIGHTS - 1)) : 0;
+}
+
+/* Counts, and the second time places. */
 static void edge_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct edges *e = context;
-    size_t at = e->key ? e->first[begin / BLOCK] : 0;
+    size_t *bins = e->bins[begin / e->block];
     for (size_t i = begin; i < end; i++)
         for (unsigned k = 0; k < SURROUND_GRAPH && !is_unknown(e->surface->normal[i]); k++) {
             uint32_t j = e->surface->neighbour[i][k];
             if (!owns_edge(e, i, j))
                 continue;
-            if (e->key) {
-                double weight = 1 - fabs(dot_normals(e->surface, i, j));
-                e->key[at] = (uint64_t)(fmax(weight, 0) * 65535.0);
+            size_t at = bins[weight_of(e->surface, i, j)]++;
+            if (e->slot)
                 e->slot[at] = (uint32_t)(i * SURROUND_GRAPH + k);
-            }
-            at++;
         }
-    if (!e->key)
-        e->first[begin / BLOCK] = at;
 }
 
-static void edges_release(struct edges *e)
+static void prefix_sums(struct edges *e, size_t blocks)
 {
-    mem_free(e->first);
-    mem_free(e->key);
-    mem_free(e->slot);
+    for (unsigned weight = 0; weight < WEIGHTS; weight++)
+        for (size_t block = 0; block < blocks; block++) {
+            size_t here = e->bins[block][weight];
+            e->bins[block][weight] = e->count;
+            e->count += here;
+        }
 }
 
-/* Lightest first. */
+/* Lightest first. Stable, so the number of blocks does not show. */
 static enum stp_result edges_build(const struct stp_env *env, struct edges *e)
 {
-    size_t points = e->surface->count, blocks = (points + BLOCK - 1) / BLOCK;
-    e->first = mem_alloc(blocks, sizeof *e->first);
-    if (!e->first)
-        return log_no_memory(env, blocks * sizeof *e->first, "edges");
-    parallel_for(env, points, BLOCK, edge_range, e);
-    for (size_t block = 0; block < blocks; block++) {
-        size_t here = e->first[block];
-        e->first[block] = e->count;
-        e->count += here;
-    }
-    uint64_t *key = mem_alloc(e->count, sizeof *key);
+    size_t points = e->surface->count, threads = thread_count(env);
+    e->block = (points + threads - 1) / threads;
+    size_t blocks = (points + e->block - 1) / e->block;
+    e->bins = mem_zalloc(blocks, sizeof *e->bins);
+    if (!e->bins)
+        return log_no_memory(env, blocks * sizeof *e->bins, "edges");
+    parallel_for(env, points, e->block, edge_range, e);
+    prefix_sums(e, blocks);
     e->slot = mem_alloc(e->count, sizeof *e->slot);
-    e->key = key;
-    if (!e->key || !e->slot)
-        return log_no_memory(env, e->count * 12, "edges");
-    parallel_for(env, points, BLOCK, edge_range, e);
-    return radix_sort(env, e->count, e->key, e->slot);
+    if (e->slot)
+        parallel_for(env, points, e->block, edge_range, e);
+    mem_free(e->bins);
+    return e->slot ? STP_OK : log_no_memory(env, e->count * sizeof *e->slot, "edges");
 }
 
 /* --- a spanning forest that knows, for each point, whether it is turned against its root ----- */
@@ -285,7 +287,7 @@ enum stp_result orient_normals(const struct stp_env *env, const struct places *p
         result = log_no_memory(env, count * 9, "the orientation of normals");
     else if (count > 0)
         result = orient(env, &surface, &edges, &f, up);
-    edges_release(&edges);
+    mem_free(edges.slot);
     mem_free(f.parent);
     mem_free(f.size);
     mem_free(f.against);

@@ -1,6 +1,7 @@
 #include "prepare/radii.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -20,18 +21,51 @@ bool radius_is_good(float radius)
     return radius >= SMALLEST && radius <= LARGEST;
 }
 
+#define HALF_BINS 65536
+
+/* The bits of positive floats order as they do: first the upper half, then the lower. */
+static void count_halves(const float *radius, size_t count, size_t *bins, const uint32_t *upper)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        if (!radius_is_good(radius[i]))
+            continue;
+        memcpy(&bits, &radius[i], sizeof bits);
+        if (!upper)
+            bins[bits >> 16]++;
+        else if (bits >> 16 == *upper)
+            bins[bits & (HALF_BINS - 1)]++;
+    }
+}
+
+/* The bin that holds the rank, which becomes a rank within it. */
+static uint32_t bin_of_rank(const size_t *bins, size_t *rank)
+{
+    uint32_t bin = 0;
+    for (; *rank >= bins[bin]; bin++)
+        *rank -= bins[bin];
+    return bin;
+}
+
 enum stp_result radii_median(const struct stp_env *env, const float *radius, size_t count,
                              float *median)
 {
-    double *good = mem_alloc(count, sizeof *good);
-    size_t n = 0;
-    if (!good)
-        return log_no_memory(env, count * sizeof *good, "the median radius");
-    for (size_t i = 0; i < count; i++)
-        if (radius_is_good(radius[i]))
-            good[n++] = (double)radius[i];
-    *median = n > 0 ? (float)select_rank(good, n, (n - 1) / 2) : 0;
-    mem_free(good);
+    size_t *bins = mem_zalloc(HALF_BINS, sizeof *bins), good = 0;
+    if (!bins)
+        return log_no_memory(env, HALF_BINS * sizeof *bins, "the median radius");
+    count_halves(radius, count, bins, NULL);
+    for (uint32_t bin = 0; bin < HALF_BINS; bin++)
+        good += bins[bin];
+    *median = 0;
+    if (good > 0) {
+        size_t rank = (good - 1) / 2;
+        uint32_t upper = bin_of_rank(bins, &rank);
+        memset(bins, 0, HALF_BINS * sizeof *bins);
+        count_halves(radius, count, bins, &upper);
+        uint32_t bits = upper << 16 | bin_of_rank(bins, &rank);
+        memcpy(median, &bits, sizeof bits);
+    }
+    mem_free(bins);
     return STP_OK;
 }
 

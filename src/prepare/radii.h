@@ -8,7 +8,7 @@
 /* A radius that a splat can have. */
 bool radius_is_good(float radius);
 
-/* Median of the good ones; 0: there are none. */
+/* Lower median of the good ones; 0: there are none. */
 enum stp_result radii_median(const struct stp_env *env, const float *radius, size_t count,
                              float *median);
 

@@ -1,6 +1,7 @@
 #include "clouds.h"
 
 #include "prepare/bounds.h"
+#include "prepare/radii.h"
 #include "scene/scene.h"
 
 static struct stp_scene *prepared(size_t count, const void *position, const void *normal,
@@ -227,6 +228,27 @@ static void selection(void **state)
     }
 }
 
+static void median_of_good_ones(void **state)
+{
+    const float bad[5] = { NAN, 0, -3, INFINITY, 1e-30f };
+    uint64_t seed = 2;
+    for (size_t count = 0; count < 200; count++) {
+        double sorted[200];
+        float radius[200], median = -1;
+        size_t good = 0;
+        for (size_t i = 0; i < count; i++) {
+            radius[i] = (float)exp(20 * random_unit(&seed) - 10);
+            if (i % 3 == 0)
+                radius[i] = bad[i / 3 % 5];
+            else
+                sorted[good++] = (double)radius[i];
+        }
+        qsort(sorted, good, sizeof *sorted, ascending);
+        assert_int_equal(radii_median(NULL, radius, count, &median), STP_OK);
+        assert_true((double)median == (good > 0 ? sorted[(good - 1) / 2] : 0));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -241,6 +263,7 @@ int main(void)
         cmocka_unit_test(coincident_points),
         cmocka_unit_test(heaps),
         cmocka_unit_test(selection),
+        cmocka_unit_test(median_of_good_ones),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
