@@ -14,6 +14,9 @@
 #define ON_A_LINE    0.01
 #define NO_PLANE     1e-6
 #define SPACING_RANK 8
+/* Farther than that many spacings from the rest, a line of points is a wire, not a scan line. */
+#define WIRE  4.0
+#define SLICE ((size_t)1 << 18) /* between two reports of progress */
 
 struct plane {
     double value[3], vector[3][3];
@@ -91,8 +94,10 @@ void surrounding_of(const struct neighbour_tree *tree, size_t i, struct surround
         neighbours_of(tree, i, k, &n);
         fit_plane(tree, i, &n, &plane);
     }
-    if (line && !on_a_line(&plane))
-        s->spacing = fmax(s->spacing, distance_off_line(tree, i, &n, direction));
+    if (line && !on_a_line(&plane)) {
+        double off = distance_off_line(tree, i, &n, direction);
+        s->spacing = off <= WIRE * s->spacing ? fmax(s->spacing, off) : s->spacing;
+    }
     bool flat = plane.value[1] > NO_PLANE * plane.value[2];
     for (int axis = 0; axis < 3; axis++)
         s->normal[axis] = flat ? plane.vector[0][axis] : 0;
@@ -101,12 +106,13 @@ void surrounding_of(const struct neighbour_tree *tree, size_t i, struct surround
 struct find {
     const struct neighbour_tree *tree;
     struct surroundings *all;
+    size_t first;
 };
 
 static void find_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct find *f = context;
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = f->first + begin; i < f->first + end; i++) {
         struct surrounding s;
         surrounding_of(f->tree, i, &s);
         f->all->spacing[i] = (float)s.spacing;
@@ -127,8 +133,13 @@ enum stp_result surroundings_find(const struct stp_env *env, const struct neighb
         surroundings_release(&found);
         return log_no_memory(env, tree->count * sizeof *found.neighbour, "neighbours");
     }
-    struct find find = { tree, &found };
-    parallel_for(env, tree->count, 1024, find_range, &find);
+    for (size_t first = 0; first < tree->count; first += SLICE) {
+        size_t left = tree->count - first;
+        struct find find = { tree, &found, first };
+        parallel_for(env, left < SLICE ? left : SLICE, 1024, find_range, &find);
+        log_progress(env, "neighbours",
+                     1 - (double)(left < SLICE ? 0 : left - SLICE) / (double)tree->count);
+    }
     *all = found;
     return STP_OK;
 }
