@@ -79,7 +79,7 @@ static exr_result_t set_matrix(exr_context_t context, const char *name, const do
 {
     exr_attr_m44f_t matrix;
     for (int i = 0; i < 16; i++)
-        matrix.m[i] = (float)m[i];
+        matrix.m[i] = (float)m[i] + 0.0f; /* no negative zeros in what people read */
     return exr_attr_set_m44f(context, 0, name, &matrix);
 }
 
