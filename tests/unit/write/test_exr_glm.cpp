@@ -73,10 +73,13 @@ static void test_perspective(void **)
     const stp_camera c = make_camera(false, 100);
     const double n = c.near_depth;
     const glm::dmat4 projection =
-        glm::frustumLH_ZO(-c.cx / c.fx * n, (c.width - c.cx) / c.fx * n,
+        glm::frustumRH_ZO(-c.cx / c.fx * n, (c.width - c.cx) / c.fx * n,
                           -(c.height - c.cy) / c.fy * n, c.cy / c.fy * n, n, c.far_depth);
+    // The right-handed form: this glm's frustumLH has the wrong sign off-centre.
+    const glm::dmat4 view =
+        glm::lookAtRH(eye, target, up) * glm::translate(glm::dmat4(1), glm::dvec3(1, 2, 3));
     exr_world_to_ndc(&c, origin, m);
-    check_matrix(m, to_unit_square() * projection * left_handed_view(glm::dvec3(1, 2, 3)));
+    check_matrix(m, to_unit_square() * projection * view);
 }
 
 static void test_infinite(void **)
