@@ -47,6 +47,9 @@ STP_API enum stp_result stp_camera_frame(const struct stp_scene *scene,
 STP_API enum stp_result stp_camera_load(const struct stp_env *env, const char *path,
                                         uint32_t index, uint32_t width, uint32_t height,
                                         struct stp_camera *camera, uint32_t *count);
+/* The camera that the scene .json carried, under the same rule for sizes. False: it had none. */
+STP_API bool stp_scene_camera(const struct stp_scene *scene, uint32_t width, uint32_t height,
+                              struct stp_camera *camera);
 STP_API enum stp_result stp_camera_save(const struct stp_env *env, const char *path,
                                         const struct stp_camera *camera);
 
