@@ -21,6 +21,9 @@ struct stp_camera {
     double far_depth;  /* INFINITY: none */
 };
 
+/* near_depth of a camera file that says no `near`, scene units: as good as nothing. */
+#define STP_DEFAULT_NEAR 1e-6
+
 /* How to frame a scene when no camera is given. */
 struct stp_frame_params {
     double azimuth, elevation; /* radians; 0, 0 looks at the front (down the axis towards +up-less
@@ -47,11 +50,14 @@ STP_API enum stp_result stp_camera_frame(const struct stp_scene *scene,
 STP_API enum stp_result stp_camera_load(const struct stp_env *env, const char *path,
                                         uint32_t index, uint32_t width, uint32_t height,
                                         struct stp_camera *camera, uint32_t *count);
-/* The camera that the scene .json carried, under the same rule for sizes. False: it had none. */
-STP_API bool stp_scene_camera(const struct stp_scene *scene, uint32_t width, uint32_t height,
-                              struct stp_camera *camera);
+/* A camera that stp_camera_load reads back bit for bit. */
 STP_API enum stp_result stp_camera_save(const struct stp_env *env, const char *path,
                                         const struct stp_camera *camera);
+
+/* The camera that came with a scene .json; false, and *camera untouched, when there is none.
+ * width and height as in stp_camera_load. */
+STP_API bool stp_scene_camera(const struct stp_scene *scene, uint32_t width, uint32_t height,
+                              struct stp_camera *camera);
 
 #ifdef __cplusplus
 }

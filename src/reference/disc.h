@@ -1,0 +1,53 @@
+/* One splat as the camera sees it: exact ray hits, and a bound of the picture that it can touch. */
+#ifndef STP_REFERENCE_DISC_H
+#define STP_REFERENCE_DISC_H
+
+#include <stipple/plan.h>
+
+#include "reference/eye.h"
+#include "scene/scene.h"
+
+/* What a picture is made from; nothing in it changes while it is made. */
+struct view {
+    const struct stp_scene *scene;
+    struct eye eye;
+    uint32_t width, height;
+    enum stp_kernel kernel;
+    bool cull_back, two_sided, local_viewer;
+    double min_splat; /* pixels; 0: off */
+    double epsilon;   /* 0: each object's own */
+    unsigned grid;    /* grid x grid samples a pixel */
+};
+
+/* The affine ellipse that stands for a disc below the screen-space floor:
+ * rho^2 = a dx^2 + 2 b dx dy + c dy^2 around (px, py), depth z + zx dx + zy dy. */
+struct floored {
+    double px, py, a, b, c, zx, zy;
+};
+
+/* Camera frame; the normal is unit, and turned to the eye when the surface is two-sided. */
+struct disc {
+    struct vec3 centre, normal;
+    double radius;
+    bool is_floored;
+    struct floored floored;
+    double x_min, x_max, y_min, y_max; /* picture positions; no fragment lies outside */
+};
+
+struct fragment {
+    double depth, rho2; /* eye depth; squared distance from the centre in radii, <= 1 */
+};
+
+/* False when splat `id` cannot have a fragment in any picture of this view: culled, or wholly
+ * nearer than near, or beyond far. */
+bool disc_setup(const struct view *view, size_t id, struct disc *disc);
+
+/* The disc's fragment on the ray through (px, py), if it has one. */
+bool disc_hit(const struct disc *disc, const struct eye *eye, const struct ray *ray, double px,
+              double py, struct fragment *fragment);
+
+/* floor.c: whether the disc's projection is thinner than `least` pixels, and what is drawn then. */
+bool floor_ellipse(const struct eye *eye, const struct disc *disc, double least,
+                   struct floored *floored, double *reach);
+
+#endif

@@ -1,0 +1,129 @@
+#include "reference/reference.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/thread.h"
+#include "reference/samples.h"
+#include "reference/tile.h"
+
+#define DEFAULT_MIN_SPLAT 1.5 /* of stp_render_params */
+#define MAX_SAMPLES       65536
+
+struct job {
+    const struct stp_env *env;
+    const struct view *view;
+    const struct bins *bins;
+    const struct planes *planes;
+    struct scratch *scratch; /* one a thread */
+};
+
+static bool finite_matrix(const double m[16])
+{
+    bool finite = true;
+    for (int i = 0; i < 16; i++)
+        finite = finite && isfinite(m[i]);
+    return finite;
+}
+
+static enum stp_result check_camera(const struct stp_env *env, const struct stp_camera *c)
+{
+    if (c->width == 0 || c->height == 0)
+        return log_error(env, STP_ERROR_ARGUMENT, "camera: the picture is %ux%u", c->width,
+                         c->height);
+    if (!finite_matrix(c->world_to_camera) || !isfinite(c->cx) || !isfinite(c->cy))
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "camera: a matrix element or the centre is not finite");
+    if (!(c->fx > 0 && isfinite(c->fx) && c->fy > 0 && isfinite(c->fy)))
+        return log_error(env, STP_ERROR_ARGUMENT, "camera: focal lengths %g, %g are not positive",
+                         c->fx, c->fy);
+    if (!(c->far_depth > c->near_depth) || (!c->orthographic && !(c->near_depth > 0)))
+        return log_error(env, STP_ERROR_ARGUMENT, "camera: near %g and far %g are out of range",
+                         c->near_depth, c->far_depth);
+    return STP_OK;
+}
+
+static enum stp_result check(const struct stp_env *env, const struct stp_scene *scene,
+                             const struct stp_camera *camera,
+                             const struct stp_render_params *params)
+{
+    if (!scene->prepared)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the scene must be prepared before it is rendered");
+    if (scene->splats.count == 0)
+        return log_error(env, STP_ERROR_NO_POINTS, "the scene has no splats to render");
+    if (params->samples > MAX_SAMPLES)
+        return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", params->samples,
+                         MAX_SAMPLES);
+    if (!(params->epsilon >= 0) || isnan(params->min_splat))
+        return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g or min-splat %g is out of range",
+                         params->epsilon, params->min_splat);
+    if (scene->facts.transparent)
+        log_warning(env, "the reference draws every splat opaque: opacities are left out");
+    return check_camera(env, camera);
+}
+
+static struct view view_of(const struct stp_scene *scene, const struct stp_camera *camera,
+                           const struct stp_render_params *params)
+{
+    struct view view = { .scene = scene,
+                         .width = camera->width,
+                         .height = camera->height,
+                         .kernel = params->kernel,
+                         .cull_back = params->cull == STP_CULL_BACK,
+                         .two_sided = scene->facts.two_sided,
+                         .local_viewer = params->local_viewer,
+                         .epsilon = params->epsilon,
+                         .grid = sample_grid(params->samples) };
+    view.min_splat = params->min_splat == 0 ? DEFAULT_MIN_SPLAT : fmax(0, params->min_splat);
+    eye_init(&view.eye, camera, scene->splats.origin);
+    return view;
+}
+
+static void render_tiles(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct job *job = context;
+    size_t tiles = (size_t)job->bins->across * job->bins->down;
+    for (size_t tile = begin; tile < end; tile++)
+        tile_render(job->view, job->bins, tile, &job->scratch[worker], job->planes);
+    if (worker == 0) /* the caller's own thread */
+        log_progress(job->env, "reference", (double)end / (double)tiles);
+}
+
+static enum stp_result render(const struct stp_env *env, const struct view *view,
+                              const struct planes *planes, const float *background)
+{
+    unsigned threads = thread_count(env);
+    struct bins bins;
+    struct scratch *scratch = mem_alloc(threads, sizeof *scratch);
+    if (!scratch)
+        return log_no_memory(env, threads * sizeof *scratch, "the reference's tiles");
+    enum stp_result result = bins_build(env, view, &bins);
+    if (result == STP_OK) {
+        struct job job = { env, view, &bins, planes, scratch };
+        parallel_for(env, (size_t)bins.across * bins.down, 1, render_tiles, &job);
+        planes_finish(env, planes, view, background);
+        bins_release(&bins);
+    }
+    mem_free(scratch);
+    return result;
+}
+
+enum stp_result reference_render(const struct stp_env *env, const struct stp_scene *scene,
+                                 const struct stp_camera *camera,
+                                 const struct stp_render_params *params, struct stp_image **image)
+{
+    struct stp_image *made = NULL;
+    struct planes planes;
+    enum stp_result result = check(env, scene, camera, params);
+    if (result == STP_OK)
+        result = planes_create(env, scene, camera, params->aovs, &made, &planes);
+    if (result != STP_OK)
+        return result;
+    struct view view = view_of(scene, camera, params);
+    result = render(env, &view, &planes, params->background);
+    if (result == STP_OK)
+        *image = made;
+    else
+        stp_image_destroy(&made);
+    return result;
+}

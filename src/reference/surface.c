@@ -1,0 +1,62 @@
+/* ZP Eq. 1 at one sample (docs/numerics.md, "Opaque pixel"). */
+#include "reference/surface.h"
+
+#define LEAST 1e-6 /* of the sum of weights, and of the length of the sum of normals */
+
+static const struct scene_object *object_of(const struct view *view, uint32_t id)
+{
+    const uint16_t *object = view->scene->splats.object;
+    return &view->scene->objects[object ? object[id] : 0];
+}
+
+double splat_epsilon(const struct view *view, uint32_t id)
+{
+    return view->epsilon > 0 ? view->epsilon : object_of(view, id)->epsilon;
+}
+
+struct vec3 splat_albedo(const struct view *view, uint32_t id)
+{
+    const struct splats *splats = &view->scene->splats;
+    return v3_loadf(splats->color ? splats->color[id] : object_of(view, id)->material.albedo);
+}
+
+static double kernel(const struct view *view, double rho2)
+{
+    return view->kernel == STP_KERNEL_GAUSS ? exp(-2 * rho2) : 1 - rho2;
+}
+
+/* Ties go to the splat that comes first: ids arrive in ascending order. */
+void nearest_take(struct nearest *nearest, uint32_t id, const struct disc *disc,
+                  const struct fragment *fragment)
+{
+    if (fragment->depth < nearest->depth)
+        *nearest = (struct nearest){ fragment->depth, id, disc->normal };
+}
+
+void sums_add(const struct view *view, struct sums *sums, uint32_t id, const struct disc *disc,
+              const struct fragment *fragment)
+{
+    double weight = kernel(view, fragment->rho2);
+    sums->weight += weight;
+    sums->depth += weight * fragment->depth;
+    sums->normal = v3_add(sums->normal, v3_scale(disc->normal, weight));
+    sums->albedo = v3_add(sums->albedo, v3_scale(splat_albedo(view, id), weight));
+    sums->count++;
+}
+
+struct surface surface_resolve(const struct view *view, const struct nearest *nearest,
+                               const struct sums *sums, const struct ray *ray)
+{
+    struct surface s = { .weight = sums->weight, .count = sums->count, .id = nearest->id };
+    bool weighs = sums->weight >= LEAST;
+    s.depth = weighs ? sums->depth / sums->weight : nearest->depth;
+    if (weighs && v3_length(sums->normal) >= LEAST) {
+        s.normal = v3_unit(sums->normal);
+        s.albedo = v3_scale(sums->albedo, 1 / sums->weight);
+    } else {
+        s.normal = nearest->normal;
+        s.albedo = splat_albedo(view, nearest->id);
+    }
+    s.point = ray_at(ray, s.depth);
+    return s;
+}

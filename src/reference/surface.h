@@ -1,0 +1,41 @@
+/* What Eq. 1 leaves of a sample's fragments, and its light. */
+#ifndef STP_REFERENCE_SURFACE_H
+#define STP_REFERENCE_SURFACE_H
+
+#include "reference/disc.h"
+
+/* The nearest fragment's splat, which names epsilon and material. */
+struct nearest {
+    double depth; /* INFINITY: none */
+    uint32_t id;
+    struct vec3 normal; /* camera frame, turned */
+};
+
+/* Weighted sums over the fragments within epsilon of the nearest. */
+struct sums {
+    double weight, depth;
+    struct vec3 normal, albedo;
+    uint32_t count;
+};
+
+struct surface {
+    double depth, weight;
+    struct vec3 normal, point; /* camera frame */
+    struct vec3 albedo;
+    uint32_t count, id;
+};
+
+double splat_epsilon(const struct view *view, uint32_t id);
+struct vec3 splat_albedo(const struct view *view, uint32_t id);
+
+void nearest_take(struct nearest *nearest, uint32_t id, const struct disc *disc,
+                  const struct fragment *fragment);
+void sums_add(const struct view *view, struct sums *sums, uint32_t id, const struct disc *disc,
+              const struct fragment *fragment);
+struct surface surface_resolve(const struct view *view, const struct nearest *nearest,
+                               const struct sums *sums, const struct ray *ray);
+
+/* light.c: the shading model, linear. */
+struct vec3 surface_shade(const struct view *view, const struct surface *surface);
+
+#endif

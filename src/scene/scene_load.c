@@ -1,0 +1,147 @@
+/* stp_scene_load: a point file, or a scene .json of several. */
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+#include <zlib.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/vec.h"
+#include "load/load.h"
+#include "scene/camera_json.h"
+#include "scene/scene_json.h"
+
+/* True when the first byte that is no space is '{' (gzip or not); no point format starts so.
+ * Reads a few bytes only. What cannot be opened is left to the reader's message. */
+static bool looks_like_json(const char *path)
+{
+    struct stat st;
+    int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
+    if (fd < 0)
+        return false;
+    gzFile file = fstat(fd, &st) == 0 && S_ISREG(st.st_mode) ? gzdopen(fd, "rb") : NULL;
+    if (!file) {
+        close(fd);
+        return false;
+    }
+    int c, skipped = 0;
+    do
+        c = gzgetc(file);
+    while (
+        (c == ' ' || c == '\t' || c == '\r' || c == '\n' || c == 0xef || c == 0xbb || c == 0xbf) &&
+        skipped++ < 4096);
+    gzclose(file);
+    return c == '{';
+}
+
+static void transform_cloud(struct cloud *cloud, const double m[16], double scale)
+{
+    for (size_t i = 0; i < cloud->count; i++) {
+        struct vec3 p = m4_point(m, v3_load(cloud->position[i]));
+        cloud->position[i][0] = p.x;
+        cloud->position[i][1] = p.y;
+        cloud->position[i][2] = p.z;
+        if (cloud->radius)
+            cloud->radius[i] = (float)(cloud->radius[i] * scale);
+        if (!cloud->normal)
+            continue;
+        struct vec3 n = v3_scale(m4_direction(m, v3_loadf(cloud->normal[i])), 1 / scale);
+        cloud->normal[i][0] = (float)n.x;
+        cloud->normal[i][1] = (float)n.y;
+        cloud->normal[i][2] = (float)n.z;
+    }
+}
+
+/* One point file into the scene. entry NULL: no transform. */
+static enum stp_result add_file(const struct stp_env *env, struct stp_scene *scene,
+                                const char *path, const struct stp_load_params *params,
+                                const struct scene_entry *entry)
+{
+    const struct load_options options = { .transfer = params->transfer,
+                                          .color_by = params->color_by };
+    const struct stp_object_params object = { .material = params->material,
+                                              .epsilon = params->epsilon,
+                                              .opacity = params->opacity };
+    struct cloud cloud = { 0 };
+    enum stp_result result = load_points(env, path, &options, &cloud);
+    if (result != STP_OK)
+        return result;
+    if (entry && entry->transformed)
+        transform_cloud(&cloud, entry->transform, entry->scale);
+    if (params->up != STP_UP_AUTO)
+        cloud.up = params->up;
+    result = scene_add_cloud(env, scene, &cloud, &object);
+    cloud_release(&cloud);
+    return result;
+}
+
+static enum stp_result add_entries(const struct json_at *root, const cJSON *json,
+                                   const struct stp_load_params *params, int entries,
+                                   struct stp_scene *scene)
+{
+    enum stp_result result = STP_OK;
+    for (int i = 0; i < entries && result == STP_OK; i++) {
+        struct scene_entry entry;
+        result = scene_json_entry(root, json, i, params, &entry);
+        if (result == STP_OK)
+            result = add_file(root->env, scene, entry.file, &entry.params, &entry);
+        mem_free(entry.file);
+    }
+    return result;
+}
+
+/* Lights and camera first: their mistakes show before minutes of loading. */
+static enum stp_result load_json(const struct stp_env *env, const char *path,
+                                 const struct stp_load_params *params, struct stp_scene *scene)
+{
+    cJSON *json = NULL;
+    enum stp_up up;
+    int entries;
+    enum stp_result result = json_read(env, path, &json);
+    if (result != STP_OK)
+        return result;
+    struct json_at root = json_root(env, path);
+    result = scene_json_begin(&root, json, &up, &entries);
+    if (result == STP_OK)
+        result = scene_json_lights(&root, json, scene);
+    if (result == STP_OK)
+        result = scene_json_camera(&root, json, scene);
+    if (result == STP_OK) {
+        struct stp_load_params resolved = *params;
+        if (resolved.up == STP_UP_AUTO)
+            resolved.up = up;
+        result = add_entries(&root, json, &resolved, entries, scene);
+    }
+    cJSON_Delete(json);
+    return result;
+}
+
+enum stp_result stp_scene_load(const struct stp_env *env, const char *path,
+                               const struct stp_load_params *params, struct stp_scene **scene)
+{
+    const struct stp_load_params defaults = { 0 };
+    struct stp_scene *loaded = NULL;
+    enum stp_result result = stp_scene_create(env, &loaded);
+    if (result != STP_OK)
+        return result;
+    if (!params)
+        params = &defaults;
+    result = looks_like_json(path) ? load_json(env, path, params, loaded)
+                                   : add_file(env, loaded, path, params, NULL);
+    if (result == STP_OK)
+        *scene = loaded;
+    else
+        stp_scene_destroy(&loaded);
+    return result;
+}
+
+bool stp_scene_camera(const struct stp_scene *scene, uint32_t width, uint32_t height,
+                      struct stp_camera *camera)
+{
+    if (!scene->has_camera)
+        return false;
+    *camera = scene->camera;
+    if (width || height)
+        camera_resize(camera, scene->camera_intrinsics, width, height);
+    return true;
+}

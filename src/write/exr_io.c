@@ -1,0 +1,88 @@
+#include "write/exr_io.h"
+
+#include <errno.h>
+#include <string.h>
+#include <unistd.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+
+static void *allocate(size_t bytes)
+{
+    return mem_alloc(bytes, 1);
+}
+
+static void keep_message(exr_const_context_t context, exr_result_t code, const char *message)
+{
+    void *user = NULL;
+    if (!context || exr_get_user_data(context, &user) != EXR_ERR_SUCCESS || !user)
+        return;
+    struct exr_io *io = user;
+    if (!io->parallel && !io->message[0])
+        snprintf(io->message, sizeof io->message, "%s", message);
+}
+
+static int64_t size_of(exr_const_context_t context, void *user)
+{
+    const struct exr_io *io = user;
+    return io->bytes ? (int64_t)io->bytes->size : -1;
+}
+
+static int64_t read_at(exr_const_context_t context, void *user, void *buffer, uint64_t size,
+                       uint64_t offset, exr_stream_error_func_ptr_t error)
+{
+    const struct exr_io *io = user;
+    if (offset >= io->bytes->size)
+        return 0;
+    uint64_t left = io->bytes->size - offset;
+    if (size > left)
+        size = left;
+    memcpy(buffer, io->bytes->data + offset, size);
+    return (int64_t)size;
+}
+
+static int64_t write_at(exr_const_context_t context, void *user, const void *buffer, uint64_t size,
+                        uint64_t offset, exr_stream_error_func_ptr_t error)
+{
+    struct exr_io *io = user;
+    uint64_t done = 0;
+    while (done < size) {
+        ssize_t written = pwrite(io->descriptor, (const char *)buffer + done, size - done,
+                                 (off_t)(offset + done));
+        if (written < 0 && errno == EINTR)
+            continue;
+        if (written <= 0) {
+            if (!io->error)
+                io->error = written < 0 ? errno : ENOSPC;
+            return -1;
+        }
+        done += (uint64_t)written;
+    }
+    return (int64_t)size;
+}
+
+exr_context_initializer_t exr_io_initializer(struct exr_io *io)
+{
+    exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    init.error_handler_fn = keep_message;
+    init.alloc_fn = allocate;
+    init.free_fn = mem_free;
+    init.user_data = io;
+    init.size_fn = size_of;
+    init.read_fn = io->bytes ? read_at : NULL;
+    init.write_fn = io->bytes ? NULL : write_at;
+    return init;
+}
+
+enum stp_result exr_io_failed(const struct stp_env *env, const struct exr_io *io, exr_result_t code,
+                              const char *verb)
+{
+    if (io->error)
+        return log_error(env, STP_ERROR_IO, "%s: cannot %s: %s", io->path, verb,
+                         strerror(io->error));
+    if (code == EXR_ERR_OUT_OF_MEMORY)
+        return log_error(env, STP_ERROR_MEMORY, "%s: cannot %s: out of memory", io->path, verb);
+    return log_error(env, io->bytes ? STP_ERROR_FORMAT : STP_ERROR_IO, "%s: cannot %s: %s",
+                     io->path, verb,
+                     io->message[0] ? io->message : exr_get_default_error_message(code));
+}
