@@ -117,7 +117,7 @@ enum stp_normals { STP_NORMALS_GIVEN = 0, STP_NORMALS_ESTIMATED, STP_NORMALS_NON
 struct stp_facts {
     size_t points;         /* read */
     size_t splats;         /* kept */
-    size_t not_finite;     /* dropped: a coordinate was NaN or infinite */
+    size_t not_finite;     /* dropped: a coordinate was NaN, infinite or beyond 1e18 */
     size_t clipped;        /* dropped: outside the clip box */
     size_t duplicates;     /* kept, but equal to another in every attribute */
     size_t bad_normals;    /* zero or not finite, estimated instead */

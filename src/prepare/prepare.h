@@ -5,7 +5,8 @@
 
 #include "scene/scene.h"
 
-/* Fills scene->splats and scene->facts from the objects' clouds, and releases the clouds. */
+/* Fills scene->splats, scene->facts and scene->core from the objects' clouds, and releases the
+ * clouds, each as soon as it is copied: after a failure the scene is good for destroying only. */
 enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene,
                               const struct stp_prepare_params *params);
 

@@ -7,11 +7,19 @@
 #include "load/cloud.h"
 #include "scene/splats.h"
 
+/* Where an object's colours come from: its cloud, or prepare makes them. */
+enum color_source {
+    COLOR_OF_CLOUD = 0, /* the material's albedo where the cloud has none */
+    COLOR_BY_HEIGHT,    /* a ramp along up, from the 1st to the 99th percentile of the object */
+    COLOR_BY_NORMAL,    /* 0.5 n + 0.5, linear */
+};
+
 struct scene_object {
     struct cloud cloud; /* released by prepare */
     struct stp_material material;
     double epsilon; /* 0 until prepare resolves it to the median radius of the object */
-    float opacity;
+    float opacity;  /* in splats.opacity too, multiplied, once prepared */
+    enum color_source color_source;
 };
 
 struct stp_scene {
@@ -24,10 +32,13 @@ struct stp_scene {
     struct stp_camera camera;
     struct splats splats;
     struct stp_facts facts;
+    double core[6]; /* set by prepare, min x y z max x y z: splats whose centres are outside are
+                       outliers that automatic framing leaves out */
     bool prepared;
 };
 
-/* Takes ownership of *cloud (it is zeroed). */
+/* Takes ownership of *cloud (it is zeroed); on failure the cloud stays the caller's. The first
+ * cloud's up and format become the scene's. A prepared scene takes no more points. */
 enum stp_result scene_add_cloud(const struct stp_env *env, struct stp_scene *scene,
                                 struct cloud *cloud, const struct stp_object_params *object);
 

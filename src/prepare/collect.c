@@ -1,0 +1,140 @@
+#include "prepare/collect.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/thread.h"
+#include "base/vec.h"
+#include "prepare/radii.h"
+
+#define FARTHEST 1e18 /* its square fits float32 */
+#define GRAIN    16384
+
+enum verdict { KEEP = 0, NOT_FINITE, CLIPPED };
+
+struct collect {
+    struct splats *splats;
+    const double *clip_box;
+    size_t (*dropped)[2]; /* a worker: not finite, clipped */
+};
+
+static enum verdict judge(const double p[3], const double *box)
+{
+    for (int axis = 0; axis < 3; axis++)
+        if (!(fabs(p[axis]) <= FARTHEST))
+            return NOT_FINITE;
+    for (int axis = 0; box && axis < 3; axis++)
+        if (p[axis] < box[axis] || p[axis] > box[axis + 3])
+            return CLIPPED;
+    return KEEP;
+}
+
+static void clean_normal(float normal[3])
+{
+    struct vec3 n = v3_loadf(normal);
+    double length = v3_length(n);
+    bool usable = length > 1e-30 && length < INFINITY;
+    n = usable ? v3_scale(n, 1 / length) : v3(0, 0, 0);
+    normal[0] = (float)n.x;
+    normal[1] = (float)n.y;
+    normal[2] = (float)n.z;
+}
+
+static void clean_color(float color[3])
+{
+    for (int c = 0; c < 3; c++)
+        if (!isfinite(color[c]))
+            color[c] = isnan(color[c]) || color[c] < 0 ? 0 : 65504;
+}
+
+static float clean_opacity(float opacity)
+{
+    return isnan(opacity) || opacity > 1 ? 1 : opacity < 0 ? 0 : opacity;
+}
+
+static void clean_range(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct collect *c = context;
+    const struct splats *s = c->splats;
+    for (size_t i = begin; i < end; i++) {
+        enum verdict verdict = judge(s->position[i], c->clip_box);
+        if (verdict != KEEP)
+            c->dropped[worker][verdict - NOT_FINITE]++;
+        if (s->normal)
+            clean_normal(s->normal[i]);
+        if (s->radius && !radius_is_good(s->radius[i]))
+            s->radius[i] = 0;
+        if (s->color)
+            clean_color(s->color[i]);
+        if (s->opacity)
+            s->opacity[i] = clean_opacity(s->opacity[i]);
+    }
+}
+
+static void move_splat(struct splats *s, size_t to, size_t from)
+{
+    memmove(s->position[to], s->position[from], sizeof s->position[to]);
+    if (s->normal)
+        memmove(s->normal[to], s->normal[from], sizeof s->normal[to]);
+    if (s->radius)
+        s->radius[to] = s->radius[from];
+    if (s->color)
+        memmove(s->color[to], s->color[from], sizeof s->color[to]);
+    if (s->opacity)
+        s->opacity[to] = s->opacity[from];
+    s->input[to] = (uint32_t)from;
+}
+
+static enum stp_result drop(const struct stp_env *env, struct splats *s, const double *clip_box,
+                            size_t dropped)
+{
+    size_t kept = 0;
+    s->input = mem_alloc(s->count - dropped, sizeof *s->input);
+    if (!s->input)
+        return log_no_memory(env, (s->count - dropped) * sizeof *s->input, "points");
+    for (size_t i = 0; i < s->count; i++)
+        if (judge(s->position[i], clip_box) == KEEP)
+            move_splat(s, kept++, i);
+    s->count = kept;
+    return STP_OK;
+}
+
+static void take_arrays(struct cloud *cloud, struct splats *s)
+{
+    *s = (struct splats){ .count = cloud->count,
+                          .position = cloud->position,
+                          .normal = cloud->normal,
+                          .radius = cloud->radius,
+                          .color = cloud->color,
+                          .opacity = cloud->opacity };
+    cloud->position = NULL;
+    cloud->normal = NULL;
+    cloud->radius = NULL;
+    cloud->color = NULL;
+    cloud->opacity = NULL;
+    cloud_release(cloud);
+}
+
+enum stp_result collect_cloud(const struct stp_env *env, struct cloud *cloud,
+                              const double *clip_box, struct splats *splats,
+                              struct stp_facts *facts)
+{
+    unsigned threads = thread_count(env);
+    struct collect c = { splats, clip_box, mem_zalloc(threads, sizeof *c.dropped) };
+    size_t dropped[2] = { 0, 0 };
+    if (!c.dropped)
+        return log_no_memory(env, threads * sizeof *c.dropped, "counters");
+    take_arrays(cloud, splats);
+    parallel_for(env, splats->count, GRAIN, clean_range, &c);
+    for (unsigned worker = 0; worker < threads; worker++)
+        for (int why = 0; why < 2; why++)
+            dropped[why] += c.dropped[worker][why];
+    mem_free(c.dropped);
+    facts->not_finite += dropped[0];
+    facts->clipped += dropped[1];
+    if (dropped[0] + dropped[1] == 0)
+        return STP_OK;
+    return drop(env, splats, clip_box, dropped[0] + dropped[1]);
+}

@@ -1,0 +1,134 @@
+#include "prepare/facts.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/vec.h"
+#include "prepare/bounds.h"
+#include "prepare/radii.h"
+
+#define CORE_SAMPLES 65536
+
+/* The box of the 1st to the 99th percentile along each axis, grown by its diagonal on every side;
+ * from every n-th splat, which in Morton order is an even sample. */
+static enum stp_result find_core(const struct stp_env *env, const struct splats *s,
+                                 const struct bounds *all, double core[6])
+{
+    size_t step = s->count / CORE_SAMPLES + 1, n = (s->count + step - 1) / step;
+    double *value = mem_alloc(n, sizeof *value);
+    struct bounds box;
+    if (!value)
+        return log_no_memory(env, n * sizeof *value, "percentiles");
+    for (int axis = 0; axis < 3; axis++) {
+        size_t trim = (n - 1) / 100;
+        for (size_t i = 0; i < n; i++)
+            value[i] = s->position[i * step][axis];
+        box.low[axis] = select_rank(value, n, trim);
+        box.high[axis] = select_rank(value, n, n - 1 - trim);
+    }
+    mem_free(value);
+    double margin = bounds_diagonal(&box);
+    for (int axis = 0; axis < 3; axis++) {
+        core[axis] = margin > 0 ? fmax(box.low[axis] - margin, all->low[axis]) : all->low[axis];
+        core[axis + 3] =
+            margin > 0 ? fmin(box.high[axis] + margin, all->high[axis]) : all->high[axis];
+    }
+    return STP_OK;
+}
+
+/* 0 where the coordinates are no larger than a few times the scene, so that float32 input stays
+ * exact on the device; else the middle of the core, rounded to a multiple of the power of two below
+ * its extent, so that differences stay as exact as can be. */
+static void find_origin(const double core[6], double origin[3])
+{
+    double largest = 0, extent = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        largest = fmax(largest, fmax(fabs(core[axis]), fabs(core[axis + 3])));
+        extent = fmax(extent, core[axis + 3] - core[axis]);
+    }
+    double unit = extent > 0 ? exp2(floor(log2(extent))) : 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double middle = 0.5 * core[axis] + 0.5 * core[axis + 3];
+        origin[axis] = unit > 0 ? rint(middle / unit) * unit : middle;
+        if (largest <= 4 * extent)
+            origin[axis] = 0;
+    }
+}
+
+static void sum_positions(const void *context, size_t begin, size_t end, double *sum)
+{
+    const struct splats *s = context;
+    for (size_t i = begin; i < end; i++)
+        for (int axis = 0; axis < 3; axis++)
+            sum[axis] += s->position[i][axis] - s->origin[axis];
+}
+
+struct flux {
+    const struct splats *splats;
+    struct vec3 centroid;
+};
+
+static void sum_flux(const void *context, size_t begin, size_t end, double *sum)
+{
+    const struct flux *f = context;
+    for (size_t i = begin; i < end; i++) {
+        struct vec3 d = v3_sub(v3_load(f->splats->position[i]), f->centroid);
+        double area = (double)f->splats->radius[i] * (double)f->splats->radius[i];
+        sum[0] += area * v3_dot(v3_loadf(f->splats->normal[i]), d);
+        sum[1] += area * v3_length(d);
+    }
+}
+
+static enum stp_result find_outwardness(const struct stp_env *env, const struct splats *s,
+                                        double *outwardness)
+{
+    double sum[3], flux[2];
+    enum stp_result result = block_sum(env, s->count, 3, sum_positions, s, sum);
+    if (result != STP_OK)
+        return result;
+    struct vec3 centre = v3_add(v3_load(s->origin), v3_scale(v3_load(sum), 1 / (double)s->count));
+    struct flux f = { s, centre };
+    result = block_sum(env, s->count, 2, sum_flux, &f, flux);
+    if (result == STP_OK)
+        *outwardness = flux[1] > 0 ? flux[0] / flux[1] : 0;
+    return result;
+}
+
+static void scan_radii_and_colors(const struct splats *s, struct stp_facts *facts)
+{
+    facts->radius_min = INFINITY;
+    facts->radius_max = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        facts->radius_min = fminf(facts->radius_min, s->radius[i]);
+        facts->radius_max = fmaxf(facts->radius_max, s->radius[i]);
+    }
+    facts->color_max = 0;
+    for (size_t i = 0; s->color && i < s->count; i++)
+        for (int c = 0; c < 3; c++)
+            facts->color_max = fmaxf(facts->color_max, s->color[i][c]);
+    facts->transparent = false;
+    for (size_t i = 0; s->opacity && i < s->count; i++)
+        facts->transparent |= s->opacity[i] < 1;
+}
+
+enum stp_result facts_measure(const struct stp_env *env, struct splats *s, struct stp_facts *facts,
+                              double core[6])
+{
+    struct bounds box;
+    enum stp_result result = bounds_of(env, s->position, NULL, s->count, &box);
+    if (result == STP_OK)
+        result = find_core(env, s, &box, core);
+    if (result != STP_OK)
+        return result;
+    find_origin(core, s->origin);
+    memcpy(facts->origin, s->origin, sizeof facts->origin);
+    memcpy(facts->bounds, box.low, sizeof box.low);
+    memcpy(facts->bounds + 3, box.high, sizeof box.high);
+    facts->splats = s->count;
+    facts->has_color = s->color != NULL;
+    scan_radii_and_colors(s, facts);
+    result = radii_median(env, s->radius, s->count, &facts->radius_median);
+    return result == STP_OK ? find_outwardness(env, s, &facts->outwardness) : result;
+}

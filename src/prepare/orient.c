@@ -1,0 +1,279 @@
+#include "prepare/orient.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/thread.h"
+#include "prepare/radix.h"
+
+#define BLOCK        16384
+#define NO_COMPONENT UINT32_MAX
+
+/* --- edges ------------------------------------------------------------------------------- */
+
+struct edges {
+    const struct splats *splats;
+    const uint32_t (*neighbour)[SURROUND_GRAPH];
+    size_t count;
+    size_t *first;  /* a block */
+    uint64_t *key;  /* quantised weight; stable sorting breaks ties by id */
+    uint32_t *slot; /* SURROUND_GRAPH times the point, plus which neighbour */
+};
+
+static bool is_unknown(const float n[3])
+{
+    return n[0] == 0 && n[1] == 0 && n[2] == 0;
+}
+
+/* An edge that both ends list is that of the lower one. */
+static bool owns_edge(const struct edges *e, size_t i, uint32_t j)
+{
+    if (j == NO_NEIGHBOUR || is_unknown(e->splats->normal[j]))
+        return false;
+    if (i < j)
+        return true;
+    for (unsigned k = 0; k < SURROUND_GRAPH; k++)
+        if (e->neighbour[j][k] == i)
+            return false;
+    return true;
+}
+
+static double dot_normals(const struct splats *s, size_t i, size_t j)
+{
+    return v3_dot(v3_loadf(s->normal[i]), v3_loadf(s->normal[j]));
+}
+
+static void edge_range(void *context, size_t begin, size_t end, unsigned worker)
+{
+    struct edges *e = context;
+    size_t at = e->key ? e->first[begin / BLOCK] : 0;
+    for (size_t i = begin; i < end; i++)
+        for (unsigned k = 0; k < SURROUND_GRAPH && !is_unknown(e->splats->normal[i]); k++) {
+            uint32_t j = e->neighbour[i][k];
+            if (!owns_edge(e, i, j))
+                continue;
+            if (e->key) {
+                double weight = 1 - fabs(dot_normals(e->splats, i, j));
+                e->key[at] = (uint64_t)(fmax(weight, 0) * 65535.0);
+                e->slot[at] = (uint32_t)(i * SURROUND_GRAPH + k);
+            }
+            at++;
+        }
+    if (!e->key)
+        e->first[begin / BLOCK] = at;
+}
+
+static void edges_release(struct edges *e)
+{
+    mem_free(e->first);
+    mem_free(e->key);
+    mem_free(e->slot);
+}
+
+/* Lightest first. */
+static enum stp_result edges_build(const struct stp_env *env, struct edges *e)
+{
+    size_t points = e->splats->count, blocks = (points + BLOCK - 1) / BLOCK;
+    e->first = mem_alloc(blocks, sizeof *e->first);
+    if (!e->first)
+        return log_no_memory(env, blocks * sizeof *e->first, "edges");
+    parallel_for(env, points, BLOCK, edge_range, e);
+    for (size_t block = 0; block < blocks; block++) {
+        size_t here = e->first[block];
+        e->first[block] = e->count;
+        e->count += here;
+    }
+    uint64_t *key = mem_alloc(e->count, sizeof *key);
+    e->slot = mem_alloc(e->count, sizeof *e->slot);
+    e->key = key;
+    if (!e->key || !e->slot)
+        return log_no_memory(env, e->count * 12, "edges");
+    parallel_for(env, points, BLOCK, edge_range, e);
+    return radix_sort(env, e->count, e->key, e->slot);
+}
+
+/* --- a spanning forest that knows, for each point, whether it is turned against its root ----- */
+
+struct forest {
+    uint32_t *parent, *size;
+    uint8_t *against; /* the parent */
+};
+
+static uint32_t find_root(struct forest *f, uint32_t i, uint8_t *against)
+{
+    *against = 0;
+    while (f->parent[i] != i) {
+        uint32_t parent = f->parent[i];
+        f->against[i] ^= f->against[parent];
+        f->parent[i] = f->parent[parent];
+        *against ^= f->against[i];
+        i = f->parent[i];
+    }
+    return i;
+}
+
+static void join(struct forest *f, uint32_t i, uint32_t j, bool opposed)
+{
+    uint8_t i_against, j_against;
+    uint32_t a = find_root(f, i, &i_against), b = find_root(f, j, &j_against);
+    if (a == b)
+        return;
+    uint32_t high = f->size[a] >= f->size[b] ? a : b, low = high == a ? b : a;
+    f->parent[low] = high;
+    f->size[high] += f->size[low];
+    f->against[low] = (uint8_t)(i_against ^ j_against ^ opposed);
+}
+
+static void grow_forest(struct forest *f, const struct edges *e)
+{
+    for (size_t i = 0; i < e->splats->count; i++) {
+        f->parent[i] = (uint32_t)i;
+        f->size[i] = 1;
+        f->against[i] = 0;
+    }
+    for (size_t n = 0; n < e->count; n++) {
+        uint32_t i = e->slot[n] / SURROUND_GRAPH, j = e->neighbour[i][e->slot[n] % SURROUND_GRAPH];
+        join(f, i, j, dot_normals(e->splats, i, j) < 0);
+    }
+}
+
+/* Turns each splat to the side of its root; parent[i] becomes the root of i. */
+static void turn_to_root(struct forest *f, struct splats *s)
+{
+    for (size_t i = 0; i < s->count; i++) {
+        uint8_t against;
+        f->size[i] = find_root(f, (uint32_t)i, &against);
+        for (int axis = 0; against && axis < 3; axis++)
+            s->normal[i][axis] = 0 - s->normal[i][axis];
+    }
+    memcpy(f->parent, f->size, s->count * sizeof *f->parent);
+}
+
+/* --- outward --------------------------------------------------------------------------------- */
+
+struct component {
+    struct vec3 sum, normals;
+    double count, flux, most;
+    double reach[6];  /* of the extreme points along +x -x +y -y +z -z */
+    double facing[6]; /* n.axis there */
+    bool inward;
+};
+
+static double along(struct vec3 v, int side)
+{
+    double c = side / 2 == 0 ? v.x : side / 2 == 1 ? v.y : v.z;
+    return side % 2 ? -c : c;
+}
+
+static void add_to_component(struct component *c, struct vec3 p, struct vec3 n, double r)
+{
+    struct vec3 d = v3_sub(p, v3_scale(c->sum, 1 / c->count));
+    c->flux += r * r * v3_dot(n, d);
+    c->most += r * r * v3_length(d);
+    c->normals = v3_add(c->normals, v3_scale(n, r * r));
+    for (int side = 0; side < 6; side++)
+        if (along(d, side) > c->reach[side]) {
+            c->reach[side] = along(d, side);
+            c->facing[side] = along(n, side);
+        }
+}
+
+static bool is_inward(const struct component *c, struct vec3 up)
+{
+    double vote = 0, sign[4] = { v3_dot(c->normals, up), c->normals.x, c->normals.y, c->normals.z };
+    if (fabs(c->flux) >= 0.05 * c->most && c->most > 0)
+        return c->flux < 0;
+    for (int side = 0; side < 6; side++)
+        vote += c->facing[side];
+    if (fabs(vote) >= 0.5)
+        return vote < 0;
+    for (int i = 0; i < 4; i++)
+        if (fabs(sign[i]) > 0.1 * v3_length(c->normals))
+            return sign[i] < 0;
+    return false;
+}
+
+/* Sums run in canonical order. component[i] is NO_COMPONENT where the normal is unknown. */
+static void measure_components(const struct splats *s, const uint32_t *component,
+                               struct component *c, struct vec3 origin)
+{
+    for (size_t i = 0; i < s->count; i++) {
+        if (component[i] == NO_COMPONENT)
+            continue;
+        struct component *own = &c[component[i]];
+        own->sum = v3_add(own->sum, v3_sub(v3_load(s->position[i]), origin));
+        own->count += 1;
+    }
+    for (size_t i = 0; i < s->count; i++)
+        if (component[i] != NO_COMPONENT)
+            add_to_component(&c[component[i]], v3_sub(v3_load(s->position[i]), origin),
+                             v3_loadf(s->normal[i]), (double)s->radius[i]);
+}
+
+static void turn_outward(struct splats *s, const uint32_t *component, struct component *c,
+                         size_t count, struct vec3 up)
+{
+    for (size_t i = 0; i < count; i++)
+        c[i].inward = is_inward(&c[i], up);
+    for (size_t i = 0; i < s->count; i++)
+        if (component[i] != NO_COMPONENT && c[component[i]].inward)
+            for (int axis = 0; axis < 3; axis++)
+                s->normal[i][axis] = 0 - s->normal[i][axis];
+}
+
+/* root[i] -> dense numbers in the order of their first splats; returns how many. */
+static size_t number_components(const struct splats *s, uint32_t *root, uint32_t *scratch)
+{
+    size_t components = 0;
+    memset(scratch, 0xff, s->count * sizeof *scratch);
+    for (size_t i = 0; i < s->count; i++) {
+        uint32_t *number = &scratch[root[i]];
+        bool known = !is_unknown(s->normal[i]);
+        if (known && *number == NO_COMPONENT)
+            *number = (uint32_t)components++;
+        root[i] = known ? *number : NO_COMPONENT;
+    }
+    return components;
+}
+
+static enum stp_result orient(const struct stp_env *env, struct splats *s, struct edges *edges,
+                              struct forest *f, struct vec3 up)
+{
+    enum stp_result result = edges_build(env, edges);
+    if (result != STP_OK)
+        return result;
+    grow_forest(f, edges);
+    turn_to_root(f, s);
+    size_t count = number_components(s, f->parent, f->size);
+    struct component *components = mem_zalloc(count, sizeof *components);
+    if (!components)
+        return log_no_memory(env, count * sizeof *components, "connected components");
+    measure_components(s, f->parent, components, v3_load(s->position[0]));
+    turn_outward(s, f->parent, components, count, up);
+    mem_free(components);
+    return STP_OK;
+}
+
+enum stp_result orient_normals(const struct stp_env *env, struct splats *splats,
+                               const uint32_t (*neighbour)[SURROUND_GRAPH], struct vec3 up)
+{
+    size_t count = splats->count;
+    if (count > UINT32_MAX / SURROUND_GRAPH)
+        return log_error(env, STP_ERROR_MEMORY, "normals can be estimated for %u points at most",
+                         UINT32_MAX / SURROUND_GRAPH);
+    struct edges edges = { .splats = splats, .neighbour = neighbour };
+    struct forest f = { mem_alloc(count, sizeof *f.parent), mem_alloc(count, sizeof *f.size),
+                        mem_alloc(count, sizeof *f.against) };
+    enum stp_result result = STP_OK;
+    if (!f.parent || !f.size || !f.against)
+        result = log_no_memory(env, count * 9, "the orientation of normals");
+    else if (count > 0)
+        result = orient(env, splats, &edges, &f, up);
+    edges_release(&edges);
+    mem_free(f.parent);
+    mem_free(f.size);
+    mem_free(f.against);
+    return result;
+}

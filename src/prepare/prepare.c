@@ -1,0 +1,147 @@
+#include "prepare/prepare.h"
+
+#include <string.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "prepare/color.h"
+#include "prepare/facts.h"
+#include "prepare/merge.h"
+#include "prepare/object.h"
+#include "prepare/order.h"
+
+struct preparation {
+    const struct stp_env *env;
+    struct stp_scene *scene;
+    const struct stp_prepare_params *params;
+    struct stp_facts facts;
+    struct splats *sets; /* an object */
+    size_t *first_input;
+    size_t estimated; /* splats whose normals were */
+};
+
+static enum stp_result prepare_objects(struct preparation *p)
+{
+    struct stp_scene *scene = p->scene;
+    bool want_color = scene_wants_color(scene);
+    size_t first = 0;
+    for (unsigned i = 0; i < scene->object_count; i++) {
+        struct object_splats made;
+        p->first_input[i] = first;
+        first += scene->objects[i].cloud.count;
+        enum stp_result result = prepare_object(p->env, &scene->objects[i], p->facts.up,
+                                                p->params->clip_box, want_color, &p->facts, &made);
+        if (result != STP_OK)
+            return result;
+        p->sets[i] = made.splats;
+        p->estimated += made.estimated ? made.splats.count : 0;
+        log_progress(p->env, "prepare", 0.9 * (i + 1) / scene->object_count);
+    }
+    return STP_OK;
+}
+
+static enum stp_result join_objects(struct preparation *p, struct splats *splats)
+{
+    struct stp_scene *scene = p->scene;
+    if (scene->object_count == 1) {
+        *splats = p->sets[0];
+        p->sets[0] = (struct splats){ 0 };
+        return STP_OK;
+    }
+    enum stp_result result =
+        merge_splats(p->env, p->sets, scene->object_count, p->first_input, splats);
+    return result == STP_OK ? order_splats(p->env, splats, NULL) : result;
+}
+
+static enum stp_result no_points(const struct preparation *p)
+{
+    const struct stp_facts *f = &p->facts;
+    return log_error(p->env, STP_ERROR_NO_POINTS,
+                     "no points to draw: %zu read, %zu not finite, %zu outside the clip box",
+                     f->points, f->not_finite, f->clipped);
+}
+
+static void decide(struct preparation *p)
+{
+    struct stp_facts *f = &p->facts;
+    f->normals = f->no_normal > f->splats / 2   ? STP_NORMALS_NONE
+                 : p->estimated > f->splats / 2 ? STP_NORMALS_ESTIMATED
+                                                : STP_NORMALS_GIVEN;
+    f->eye_dome = f->normals == STP_NORMALS_NONE;
+    f->two_sided = p->params->two_sided == STP_ON;
+    if (p->params->two_sided == STP_AUTO)
+        f->two_sided = p->estimated > 0 || f->eye_dome || f->outwardness < 0.1;
+    f->objects = p->scene->object_count;
+    f->lights = p->scene->light_count;
+    for (unsigned i = 0; i < p->scene->light_count; i++)
+        f->positional_lights |= p->scene->lights[i].positional && !p->scene->lights[i].at_eye;
+}
+
+/* Opacities that are all 1 need no array: nothing is transparent. */
+static void drop_opaque(struct preparation *p, struct splats *splats)
+{
+    if (p->facts.transparent)
+        return;
+    mem_free(splats->opacity);
+    splats->opacity = NULL;
+}
+
+static enum stp_result prepare(struct preparation *p, struct splats *splats, double core[6])
+{
+    enum stp_result result = prepare_objects(p);
+    if (result == STP_OK)
+        result = join_objects(p, splats);
+    if (result != STP_OK)
+        return result;
+    if (splats->count == 0)
+        return no_points(p);
+    result = facts_measure(p->env, splats, &p->facts, core);
+    if (result != STP_OK)
+        return result;
+    decide(p);
+    drop_opaque(p, splats);
+    return STP_OK;
+}
+
+enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene,
+                              const struct stp_prepare_params *params)
+{
+    struct preparation p = { .env = env, .scene = scene, .params = params, .facts = scene->facts };
+    struct splats splats = { 0 };
+    double core[6];
+    p.sets = mem_zalloc(scene->object_count, sizeof *p.sets);
+    p.first_input = mem_zalloc(scene->object_count, sizeof *p.first_input);
+    enum stp_result result = p.sets && p.first_input && scene->object_count > 0
+                                 ? prepare(&p, &splats, core)
+                             : scene->object_count > 0 ? log_no_memory(env, 64, "the objects")
+                                                       : no_points(&p);
+    for (unsigned i = 0; p.sets && i < scene->object_count; i++)
+        splats_release(&p.sets[i]);
+    mem_free(p.sets);
+    mem_free(p.first_input);
+    if (result != STP_OK) {
+        splats_release(&splats);
+        return result;
+    }
+    scene->splats = splats;
+    scene->facts = p.facts;
+    memcpy(scene->core, core, sizeof core);
+    scene->prepared = true;
+    log_progress(env, "prepare", 1);
+    return STP_OK;
+}
+
+enum stp_result stp_scene_prepare(const struct stp_env *env, struct stp_scene *scene,
+                                  const struct stp_prepare_params *params)
+{
+    static const struct stp_prepare_params defaults;
+    if (!scene || scene->prepared)
+        return log_error(env, STP_ERROR_ARGUMENT, "stp_scene_prepare: %s",
+                         scene ? "the scene is prepared already" : "no scene");
+    if (params && params->clip_box)
+        for (int axis = 0; axis < 3; axis++)
+            if (!(params->clip_box[axis] <= params->clip_box[axis + 3]))
+                return log_error(env, STP_ERROR_ARGUMENT,
+                                 "the clip box is empty: x0 y0 z0 must be below x1 y1 z1");
+    return prepare_scene(env, scene, params ? params : &defaults);
+}

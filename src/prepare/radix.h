@@ -1,0 +1,12 @@
+/* Parallel radix sort of 64-bit keys that carry 32-bit values. */
+#ifndef STP_PREPARE_RADIX_H
+#define STP_PREPARE_RADIX_H
+
+#include <stipple/result.h>
+
+/* Sorts ascending by key; stable, so the result is the same for any number of threads. Digits
+ * that no key varies in cost nothing. Takes 12 bytes a pair of scratch memory; on failure (out of
+ * memory, logged) key and value are untouched. count < 2^32. */
+enum stp_result radix_sort(const struct stp_env *env, size_t count, uint64_t *key, uint32_t *value);
+
+#endif

@@ -1,0 +1,92 @@
+/* Prepared splats as a PLY that any reader understands and that reads back bit for bit. Properties,
+ * little-endian: double x y z; float nx ny nz (0: unknown); float radius; float red green blue
+ * (linear) where there are colours; float opacity where something is transparent; uint input_index;
+ * ushort object where there are several; uchar group where the scene is grouped. */
+#include <string.h>
+
+#include "base/file.h"
+#include "base/log.h"
+#include "base/memory.h"
+#include "prepare/prepare.h"
+
+#if __BYTE_ORDER__ != __ORDER_LITTLE_ENDIAN__
+#error "the records below are copied as they lie in memory"
+#endif
+
+#define BATCH       4096
+#define RECORD_SIZE (24 + 12 + 4 + 12 + 4 + 4 + 2 + 1)
+
+static void write_header(FILE *file, const struct stp_scene *scene)
+{
+    const struct splats *s = &scene->splats;
+    fprintf(file, "ply\nformat binary_little_endian 1.0\ncomment stipple prepared 1\n");
+    for (unsigned i = 0; i < scene->object_count; i++)
+        fprintf(file, "comment stipple object %u epsilon %.17g\n", i, scene->objects[i].epsilon);
+    fprintf(file,
+            "element vertex %zu\nproperty double x\nproperty double y\nproperty double z\n"
+            "property float nx\nproperty float ny\nproperty float nz\nproperty float radius\n",
+            s->count);
+    if (s->color)
+        fprintf(file, "property float red\nproperty float green\nproperty float blue\n");
+    if (s->opacity)
+        fprintf(file, "property float opacity\n");
+    fprintf(file, "property uint input_index\n");
+    if (s->object)
+        fprintf(file, "property ushort object\n");
+    if (s->group)
+        fprintf(file, "property uchar group\n");
+    fprintf(file, "end_header\n");
+}
+
+/* Appends element i of an array that may be missing. */
+static unsigned char *put(unsigned char *at, const void *array, size_t i, size_t size)
+{
+    if (!array)
+        return at;
+    memcpy(at, (const char *)array + i * size, size);
+    return at + size;
+}
+
+static unsigned char *put_splat(unsigned char *at, const struct splats *s, size_t i)
+{
+    at = put(at, s->position, i, sizeof *s->position);
+    at = put(at, s->normal, i, sizeof *s->normal);
+    at = put(at, s->radius, i, sizeof *s->radius);
+    at = put(at, s->color, i, sizeof *s->color);
+    at = put(at, s->opacity, i, sizeof *s->opacity);
+    at = put(at, s->input, i, sizeof *s->input);
+    at = put(at, s->object, i, sizeof *s->object);
+    return put(at, s->group, i, sizeof *s->group);
+}
+
+/* A short write is left to file_commit: it sees ferror. */
+static void write_splats(FILE *file, const struct splats *s, unsigned char *buffer)
+{
+    for (size_t begin = 0; begin < s->count && !ferror(file); begin += BATCH) {
+        size_t end = begin + BATCH < s->count ? begin + BATCH : s->count;
+        unsigned char *at = buffer;
+        for (size_t i = begin; i < end; i++)
+            at = put_splat(at, s, i);
+        fwrite(buffer, 1, (size_t)(at - buffer), file);
+    }
+}
+
+enum stp_result stp_scene_save(const struct stp_env *env, const struct stp_scene *scene,
+                               const char *path)
+{
+    struct file_output out;
+    if (!scene->prepared)
+        return log_error(env, STP_ERROR_ARGUMENT, "%s: the scene must be prepared to be saved",
+                         path);
+    unsigned char *buffer = mem_alloc(BATCH, RECORD_SIZE);
+    if (!buffer)
+        return log_no_memory(env, BATCH * RECORD_SIZE, path);
+    enum stp_result result = file_begin(env, path, &out);
+    if (result == STP_OK) {
+        write_header(out.stream, scene);
+        write_splats(out.stream, &scene->splats, buffer);
+        result = file_commit(env, &out);
+    }
+    mem_free(buffer);
+    return result;
+}
