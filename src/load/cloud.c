@@ -4,13 +4,13 @@
 
 void cloud_release(struct cloud *cloud)
 {
-    for (unsigned i = 0; i < cloud->field_count; i++)
-        mem_free(cloud->fields[i].value);
-    mem_free(cloud->fields);
     mem_free(cloud->position);
     mem_free(cloud->normal);
     mem_free(cloud->radius);
     mem_free(cloud->color);
     mem_free(cloud->opacity);
+    for (unsigned i = 0; i < cloud->field_count; i++)
+        mem_free(cloud->fields[i].value);
+    mem_free(cloud->fields);
     *cloud = (struct cloud){ 0 };
 }

@@ -1,0 +1,69 @@
+#include "load/load.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "load/readers.h"
+
+struct reader {
+    bool (*probe)(const struct file_bytes *bytes);
+    reader_fn read;
+};
+
+/* Asked in this order; plain text comes last, because it has no signature. */
+static const struct reader readers[] = {
+    { ply_probe, ply_read },
+    { off_probe, off_read },
+    { obj_probe, obj_read },
+    { xyz_probe, xyz_read },
+};
+
+static enum stp_result refuse(const struct stp_env *env, const char *path,
+                              const struct file_bytes *bytes)
+{
+    struct known_format known;
+    if (bytes->size == 0)
+        return log_error(env, STP_ERROR_FORMAT, "%s: the file is empty", path);
+    if (known_format_find(bytes, &known))
+        return log_error(env, STP_ERROR_FORMAT, "%s: %s is not read: %s", path, known.name,
+                         known.advice);
+    return log_error(
+        env, STP_ERROR_FORMAT,
+        "%s: byte 0: not a point file that is read (PLY, text, OFF, OBJ, gzip of any): "
+        "convert it to PLY",
+        path);
+}
+
+static const struct reader *find_reader(const struct file_bytes *bytes)
+{
+    struct known_format known;
+    for (size_t i = 0; i < sizeof readers / sizeof *readers; i++)
+        if (readers[i].probe(bytes) &&
+            (readers[i].probe != xyz_probe || !known_format_find(bytes, &known)))
+            return &readers[i];
+    return NULL;
+}
+
+enum stp_result load_points(const struct stp_env *env, const char *path,
+                            const struct load_options *options, struct cloud *cloud)
+{
+    static const struct load_options defaults;
+    struct file_bytes bytes;
+    log_progress(env, "load", 0);
+    enum stp_result result = file_read(env, path, &bytes);
+    if (result != STP_OK)
+        return result;
+    const struct reader *reader = find_reader(&bytes);
+    struct cloud read;
+    result = reader ? reader->read(env, path, &bytes, options ? options : &defaults, &read)
+                    : refuse(env, path, &bytes);
+    if (result == STP_OK && bytes.inflated)
+        strncat(read.format, ", gzip", sizeof read.format - strlen(read.format) - 1);
+    file_release(&bytes);
+    if (result != STP_OK)
+        return result;
+    *cloud = read;
+    log_progress(env, "load", 1);
+    return STP_OK;
+}

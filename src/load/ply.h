@@ -1,0 +1,72 @@
+/* Inside the PLY reader: the header, and the binary body. */
+#ifndef STP_LOAD_PLY_H
+#define STP_LOAD_PLY_H
+
+#include "load/readers.h"
+#include "load/table.h"
+
+enum ply_type {
+    PLY_NONE = 0,
+    PLY_INT8,
+    PLY_UINT8,
+    PLY_INT16,
+    PLY_UINT16,
+    PLY_INT32,
+    PLY_UINT32,
+    PLY_FLOAT32,
+    PLY_FLOAT64,
+};
+
+enum ply_encoding { PLY_ASCII = 0, PLY_LITTLE, PLY_BIG };
+
+struct ply_property {
+    struct slice name;
+    enum ply_type type;
+    enum ply_type length; /* of a list's length; PLY_NONE: a scalar */
+};
+
+struct ply_element {
+    struct slice name;
+    uint64_t count;
+    unsigned first, properties; /* in ply_header.property */
+};
+
+/* Bounds on what a header may declare: far beyond real files, far below what could hurt. */
+#define PLY_MAX_HEADER     ((size_t)1 << 20)
+#define PLY_MAX_ELEMENTS   64
+#define PLY_MAX_PROPERTIES 1024
+
+struct ply_header {
+    enum ply_encoding encoding;
+    char eol;
+    bool prepared; /* written by stp_scene_save */
+    size_t body;   /* offset of the first byte after the header */
+    unsigned element_count, property_count;
+    struct ply_element element[PLY_MAX_ELEMENTS];
+    struct ply_property *property; /* PLY_MAX_PROPERTIES; names point into the file */
+};
+
+enum stp_result ply_header_read(const struct stp_env *env, const char *path,
+                                const struct file_bytes *bytes, struct ply_header *header);
+void ply_header_release(struct ply_header *header);
+
+/* Bytes of a scalar; 0 for PLY_NONE. */
+size_t ply_type_size(enum ply_type type);
+
+/* Bytes of one instance, lists taken as empty; *has_list tells that there may be more. */
+size_t ply_element_size(const struct ply_header *header, const struct ply_element *element,
+                        bool *has_list);
+
+/* Steps over `count` instances of an element at *offset. Names element and byte on failure. */
+enum stp_result ply_binary_skip(const struct stp_env *env, const char *path,
+                                const struct file_bytes *bytes, const struct ply_header *header,
+                                const struct ply_element *element, size_t *offset);
+
+/* The columns of all instances of `element`, at `offset`. Without lists, the caller has checked
+ * that all of them lie within the file. */
+enum stp_result ply_binary_read(const struct stp_env *env, const char *path,
+                                const struct file_bytes *bytes, const struct ply_header *header,
+                                const struct ply_element *element, size_t offset,
+                                const struct table *table);
+
+#endif
