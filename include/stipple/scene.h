@@ -104,10 +104,14 @@ struct stp_grouping {
     unsigned relax;
     unsigned max_degree; /* of the overlap graph, ZP Eq. 5 relaxed */
     double avg_degree;
+    size_t crowded;      /* splats too crowded for max_groups at any c: they share a group with
+                            others that they overlap */
     double milliseconds; /* graph and colouring */
 };
 
-/* ZP 4.1: overlap graph and Largest-First colouring. Needed by the deferred method only. */
+/* ZP 4.1: overlap graph and Largest-First colouring. Needed by the deferred method only. After
+ * stp_scene_prepare; may be called again with other parameters. Every prepared scene can be
+ * grouped: what cannot be done at the asked c is done at a lower one, with a warning. */
 STP_API enum stp_result stp_scene_group(const struct stp_env *env, struct stp_scene *scene,
                                         const struct stp_group_params *params);
 

@@ -12,21 +12,62 @@ enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene
 
 /* ZP 4.1, Eq. 5: the overlap graph, as compressed adjacency (CSR), both directions. */
 struct overlap_graph {
-    size_t count;
+    size_t count;        /* splats */
+    size_t nodes;        /* of them in the graph: all but those left out */
     size_t *first;       /* count + 1 */
-    uint32_t *neighbour; /* sorted within a node */
+    uint32_t *neighbour; /* ascending within a node */
     unsigned max_degree;
 };
+
+/* Tolerances of relaxation (1), coplanar and of one colour. See docs/results/grouping.md for the
+ * error that they allow. */
+#define COPLANAR_DEGREES 1.0         /* between the normals */
+#define COPLANAR_OFFSET  0.05        /* of either centre from the other's plane, in smaller radii */
+#define COPLANAR_COLOR   (1.0 / 255) /* largest difference of a component, and of the opacity */
+
+/* An edge joins i and j when d2 < t * t, in double without contraction, where d2 = dx*dx + dy*dy
+ * + dz*dz of the absolute positions and t = overlap * (r_i + r_j); but none where `relax` (enum
+ * stp_relax, or-ed) spares the pair:
+ *   opposed   n_i.n_j < 0;
+ *   coplanar  same object, and within the tolerances above.
+ * A zero normal is neither. skip: NULL, or nonzero for splats left out (their rows are empty).
+ * max_edges: 0, or the most undirected edges wanted; beyond it, or where the search itself is out
+ * of proportion, *overload is set (it may be NULL when max_edges is 0), the result is STP_OK and
+ * *graph is untouched. */
+struct overlap_params {
+    double overlap;
+    unsigned relax;
+    const uint8_t *skip;
+    size_t max_edges;
+};
 enum stp_result overlap_graph_build(const struct stp_env *env, const struct splats *splats,
-                                    double overlap, unsigned relax, struct overlap_graph *graph);
+                                    const struct overlap_params *params,
+                                    struct overlap_graph *graph, bool *overload);
 void overlap_graph_release(struct overlap_graph *graph);
 
-/* Largest First (ZP 4.1, Welsh-Powell order: degree descending, then canonical id): the colours a
- * sequential pass in that order gives, computed in parallel. */
-enum stp_result largest_first_color(const struct stp_env *env, const struct overlap_graph *graph,
-                                    uint8_t *color, unsigned *color_count);
+/* Does relaxation spare this pair its edge? The same for (i, j) and (j, i). */
+bool overlap_relaxed(const struct splats *splats, unsigned relax, size_t i, size_t j);
 
-/* Both, into scene->splats.group and facts.grouping; lowers c until max_groups holds. */
+/* Largest First (ZP 4.1, Welsh-Powell order: degree descending, then canonical id): exactly the
+ * colours a sequential pass in that order gives. max_colors in [1, STP_MAX_GROUPS]: a node that
+ * finds them all taken gets the one that fewest of its coloured neighbours hold (the lowest of
+ * those), and is counted in *conflicts; where that is 0 the colouring is proper and *color_count
+ * <= max_degree + 1. */
+enum stp_result largest_first_color(const struct stp_env *env, const struct overlap_graph *graph,
+                                    unsigned max_colors, uint8_t *color, unsigned *color_count,
+                                    size_t *conflicts);
+
+/* Both, into scene->splats.group and facts.grouping.
+ * - A splat equal to its predecessor in every attribute takes that one's group and no part in the
+ *   graph: either of them winning a pixel gives the same fragment, counted once instead of twice.
+ * - Where more than max_groups are needed, splats that are crowded even at c = GROUP_MIN_OVERLAP
+ *   (max_groups / 2 others that overlap them there precede them, by radius descending, then id)
+ *   leave the graph and are spread over the groups in turn, so that a heap in one place costs the
+ *   rest nothing. If that is not enough, c is lowered, by bisection in 64ths of the way to
+ *   GROUP_MIN_OVERLAP, until the rest fits. A warning says both; facts.grouping.crowded counts
+ *   the splats that may share a group with one they overlap.
+ * - So a million coincident splats are grouped too, in time and memory in proportion. */
+#define GROUP_MIN_OVERLAP 0.1
 enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,
                             const struct stp_group_params *params);
 
