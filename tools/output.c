@@ -56,7 +56,7 @@ bool output_possible(struct console *console, const char *path, const struct set
 static bool write_and_rename(FILE *stream, const char *text, const char *temporary,
                              const char *path)
 {
-    bool whole = fputs(text, stream) >= 0;
+    bool whole = fputs(text, stream) >= 0 && fputc('\n', stream) != EOF;
     whole = fclose(stream) == 0 && whole;
     if (whole && rename(temporary, path) == 0)
         return true;

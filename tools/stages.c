@@ -17,6 +17,40 @@ int exit_of_input(enum stp_result result)
     }
 }
 
+/* Preparing knows no files: its lines get the file's name in front. */
+struct named {
+    struct console *console;
+    const char *path;
+};
+
+static void log_named(void *user, enum stp_log_level level, const char *line)
+{
+    const struct named *named = user;
+    char whole[2048];
+    snprintf(whole, sizeof whole, "%s: %s", named->path, line);
+    named->console->env.log(named->console, level, whole);
+}
+
+static void progress_named(void *user, const char *stage, double fraction)
+{
+    const struct named *named = user;
+    named->console->env.progress(named->console, stage, fraction);
+}
+
+static enum stp_result prepare_named(struct console *console, const char *path,
+                                     struct stp_scene *scene,
+                                     const struct stp_prepare_params *params)
+{
+    struct named named = { console, path };
+    struct stp_env env = {
+        .threads = console->env.threads,
+        .log = log_named,
+        .progress = console->env.progress ? progress_named : NULL,
+        .user = &named,
+    };
+    return stp_scene_prepare(&env, scene, params);
+}
+
 int load_and_prepare(struct console *console, const struct settings *settings, const char *path,
                      struct stp_scene **scene, struct run_times *times)
 {
@@ -25,7 +59,7 @@ int load_and_prepare(struct console *console, const struct settings *settings, c
     enum stp_result result = stp_scene_load(&console->env, path, &settings->load, &loaded);
     double middle = seconds_now();
     if (result == STP_OK)
-        result = stp_scene_prepare(&console->env, loaded, &settings->prepare);
+        result = prepare_named(console, path, loaded, &settings->prepare);
     if (times)
         *times = (struct run_times){ .load = (middle - start) * 1e3,
                                      .prepare = (seconds_now() - middle) * 1e3 };
