@@ -9,7 +9,7 @@
 
 static size_t degree(const struct overlap_graph *graph, size_t i)
 {
-    return graph->first[i + 1] - graph->first[i];
+    return overlap_row(graph, i).degree;
 }
 
 /* Counting sort: degree descending, then id ascending. `start` has max_degree + 2 zeros. */
@@ -28,11 +28,12 @@ static void sort_by_degree(const struct overlap_graph *graph, size_t *start, uin
 static uint8_t least_held(const struct overlap_graph *graph, const uint8_t *color, uint32_t i,
                           unsigned max_colors)
 {
+    const struct overlap_row row = overlap_row(graph, i);
     size_t held[STP_MAX_GROUPS] = { 0 };
     uint8_t best = 0;
-    for (size_t e = graph->first[i]; e < graph->first[i + 1]; e++)
-        if (color[graph->neighbour[e]] != NO_COLOR)
-            held[color[graph->neighbour[e]]]++;
+    for (size_t e = 0; e < row.degree; e++)
+        if (color[row.neighbour[e]] != NO_COLOR)
+            held[color[row.neighbour[e]]]++;
     for (uint8_t c = 1; c < max_colors; c++)
         if (held[c] < held[best])
             best = c;
@@ -41,9 +42,10 @@ static uint8_t least_held(const struct overlap_graph *graph, const uint8_t *colo
 
 static uint64_t taken(const struct overlap_graph *graph, const uint8_t *color, uint32_t i)
 {
+    const struct overlap_row row = overlap_row(graph, i);
     uint64_t used = 0;
-    for (size_t e = graph->first[i]; e < graph->first[i + 1]; e++) {
-        uint8_t c = color[graph->neighbour[e]];
+    for (size_t e = 0; e < row.degree; e++) {
+        uint8_t c = color[row.neighbour[e]];
         used |= (uint64_t)(c != NO_COLOR) << (c & 63);
     }
     return used;

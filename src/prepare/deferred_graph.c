@@ -10,17 +10,10 @@
 #include <stdatomic.h>
 #include <string.h>
 
-#define CHUNK_BLOCKS 512 /* blocks that share a buffer of rows */
 /* The search is out of proportion when blocks meet more candidate blocks than this on average;
  * scans meet about 15, and 64 at the densest that 64 groups can colour. */
 #define SEARCH_MEAN  512
 #define SEARCH_FLOOR ((size_t)1 << 22)
-
-/* Rows of one chunk's splats, back to back. */
-struct rows {
-    uint32_t *data;
-    size_t size, capacity;
-};
 
 struct worker {
     uint32_t *near; /* candidate blocks */
@@ -32,10 +25,15 @@ struct build {
     const struct overlap_params *params;
     const struct block_tree *tree;
     struct overlap_graph *graph;
-    struct rows *rows; /* one a chunk */
     struct worker *workers;
     atomic_size_t edges, searched; /* directed edges; pairs of blocks */
     atomic_bool no_memory;
+};
+
+/* One pool as it grows. */
+struct rows {
+    uint32_t *data;
+    size_t size, capacity;
 };
 
 static double dot(const float a[3], const float b[3])
@@ -81,7 +79,8 @@ static bool rows_reserve(struct rows *rows, size_t more)
     if (rows->capacity - rows->size >= more)
         return true;
     size_t capacity = rows->capacity + rows->capacity / 4 + more;
-    uint32_t *data = mem_realloc(rows->data, capacity, sizeof *data);
+    uint32_t *data =
+        capacity <= UINT32_MAX ? mem_realloc(rows->data, capacity, sizeof *data) : NULL;
     if (!data)
         return false;
     rows->data = data;
@@ -148,113 +147,97 @@ static bool out_of_proportion(struct build *b, size_t edges, size_t searched)
                    (searched > SEARCH_FLOOR && searched / SEARCH_MEAN > b->tree->blocks));
 }
 
-/* The rows of one block's splats; degrees go to first[], as yet not summed. */
-static bool build_block(struct build *b, size_t block, struct rows *rows, struct worker *worker)
+/* The rows of the lanes [lane, last) of one block. */
+static bool build_block(struct build *b, size_t lane, size_t last, struct rows *rows,
+                        struct worker *worker)
 {
-    size_t near = block_tree_near(b->tree, block, b->params->overlap, worker->near);
+    size_t near = block_tree_near(b->tree, lane / BLOCK_SPLATS, b->params->overlap, worker->near);
     size_t begin = rows->size;
-    for (int k = 0; k < BLOCK_SPLATS; k++) {
-        uint32_t i = b->tree->id[block * BLOCK_SPLATS + k];
-        if (i == UINT32_MAX)
-            break;
+    for (; lane < last; lane++) {
+        uint32_t i = b->tree->id[lane];
         if (!rows_reserve(rows, near * BLOCK_SPLATS)) {
             atomic_store(&b->no_memory, true);
             return false;
         }
         size_t degree = write_row(b, worker->near, near, i, rows->data + rows->size);
         rows->size += degree;
-        b->graph->first[i] = degree;
+        b->graph->end[i] = (uint32_t)degree;
         worker->max_degree = degree > worker->max_degree ? (unsigned)degree : worker->max_degree;
     }
     size_t edges = rows->size - begin + atomic_fetch_add(&b->edges, rows->size - begin);
     return !out_of_proportion(b, edges, near + atomic_fetch_add(&b->searched, near));
 }
 
-static void build_chunks(void *context, size_t begin, size_t end, unsigned worker)
+/* The first lane whose splat is at or after i. */
+static size_t lane_from(const struct block_tree *tree, size_t i)
+{
+    size_t low = 0, high = tree->splats;
+    while (low < high) {
+        size_t middle = low + (high - low) / 2;
+        if (tree->id[middle] < i)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static bool build_rows(struct build *b, size_t pool, struct rows *rows, struct worker *worker)
+{
+    size_t lane = lane_from(b->tree, pool * OVERLAP_POOL);
+    size_t end = lane_from(b->tree, (pool + 1) * OVERLAP_POOL);
+    while (lane < end) {
+        size_t last = (lane / BLOCK_SPLATS + 1) * BLOCK_SPLATS;
+        last = last < end ? last : end;
+        if (!build_block(b, lane, last, rows, worker))
+            return false;
+        lane = last;
+    }
+    return true;
+}
+
+/* Gives back what was reserved too much, and turns degrees into ends. */
+static void finish_pool(struct overlap_graph *graph, size_t pool, struct rows *rows)
+{
+    size_t i = pool * OVERLAP_POOL, last = i + OVERLAP_POOL;
+    uint32_t sum = 0;
+    if (rows->size) {
+        uint32_t *shrunk = mem_realloc(rows->data, rows->size, sizeof *shrunk);
+        rows->data = shrunk ? shrunk : rows->data;
+    }
+    for (; i < last && i < graph->count; i++) {
+        sum += graph->end[i];
+        graph->end[i] = sum;
+    }
+    graph->pool[pool] = rows->data;
+}
+
+static void build_pools(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct build *b = context;
-    for (size_t chunk = begin; chunk < end; chunk++) {
-        struct rows *rows = &b->rows[chunk];
-        size_t last = (chunk + 1) * CHUNK_BLOCKS;
-        last = last < b->tree->blocks ? last : b->tree->blocks;
+    for (size_t pool = begin; pool < end; pool++) {
+        struct rows rows = { 0 };
         if (atomic_load(&b->no_memory) ||
             out_of_proportion(b, atomic_load(&b->edges), atomic_load(&b->searched)))
             return;
-        for (size_t block = chunk * CHUNK_BLOCKS; block < last; block++)
-            if (!build_block(b, block, rows, &b->workers[worker]))
-                return;
-        uint32_t *shrunk = rows->size ? mem_realloc(rows->data, rows->size, sizeof *shrunk) : NULL;
-        rows->data = shrunk ? shrunk : rows->data;
+        if (build_rows(b, pool, &rows, &b->workers[worker]))
+            finish_pool(b->graph, pool, &rows);
+        else
+            mem_free(rows.data);
     }
 }
 
-static void copy_chunks(void *context, size_t begin, size_t end, unsigned worker)
+static size_t pool_count(const struct overlap_graph *graph)
 {
-    struct build *b = context;
-    for (size_t chunk = begin; chunk < end; chunk++) {
-        struct rows *rows = &b->rows[chunk];
-        size_t first = b->graph->first[b->tree->id[chunk * CHUNK_BLOCKS * BLOCK_SPLATS]];
-        if (rows->size)
-            memcpy(b->graph->neighbour + first, rows->data, rows->size * sizeof *rows->data);
-        mem_free(rows->data);
-        rows->data = NULL;
-    }
+    return (graph->count + OVERLAP_POOL - 1) / OVERLAP_POOL;
 }
 
-/* Degrees to offsets. */
-static size_t sum_degrees(struct overlap_graph *graph)
+static bool alloc_graph(const struct stp_env *env, struct build *b)
 {
-    size_t sum = 0;
-    for (size_t i = 0; i <= graph->count; i++) {
-        size_t degree = graph->first[i];
-        graph->first[i] = sum;
-        sum += degree;
-    }
-    return sum;
-}
-
-static enum stp_result join_rows(const struct stp_env *env, struct build *b, size_t chunks)
-{
-    struct overlap_graph *graph = b->graph;
-    size_t edges = sum_degrees(graph);
-    for (unsigned w = 0; w < thread_count(env); w++)
-        if (b->workers[w].max_degree > graph->max_degree)
-            graph->max_degree = b->workers[w].max_degree;
-    graph->neighbour = mem_alloc(edges, sizeof *graph->neighbour);
-    if (!graph->neighbour)
-        return log_no_memory(env, edges * sizeof *graph->neighbour, "the overlap graph");
-    parallel_for(env, chunks, 1, copy_chunks, b);
-    return STP_OK;
-}
-
-static enum stp_result search(const struct stp_env *env, struct build *b, size_t chunks,
-                              bool *overload)
-{
-    parallel_for(env, chunks, 1, build_chunks, b);
-    if (atomic_load(&b->no_memory))
-        return log_no_memory(env, atomic_load(&b->edges) * sizeof(uint32_t), "the overlap graph");
-    bool over = out_of_proportion(b, atomic_load(&b->edges), atomic_load(&b->searched));
-    if (overload)
-        *overload = over;
-    return over ? STP_OK : join_rows(env, b, chunks);
-}
-
-static void free_scratch(const struct stp_env *env, struct build *b, size_t chunks)
-{
-    for (size_t i = 0; b->rows && i < chunks; i++)
-        mem_free(b->rows[i].data);
-    for (unsigned w = 0; b->workers && w < thread_count(env); w++)
-        mem_free(b->workers[w].near);
-    mem_free(b->rows);
-    mem_free(b->workers);
-}
-
-static bool alloc_scratch(const struct stp_env *env, struct build *b, size_t chunks)
-{
-    b->graph->first = mem_zalloc(b->graph->count + 1, sizeof *b->graph->first);
-    b->rows = mem_zalloc(chunks, sizeof *b->rows);
+    b->graph->end = mem_zalloc(b->graph->count, sizeof *b->graph->end);
+    b->graph->pool = mem_zalloc(pool_count(b->graph), sizeof *b->graph->pool);
     b->workers = mem_zalloc(thread_count(env), sizeof *b->workers);
-    bool ok = b->graph->first && b->rows && b->workers;
+    bool ok = b->graph->end && b->graph->pool && b->workers;
     for (unsigned w = 0; ok && w < thread_count(env); w++) {
         b->workers[w].near = mem_alloc(b->tree->blocks, sizeof *b->workers[w].near);
         ok = b->workers[w].near;
@@ -262,16 +245,28 @@ static bool alloc_scratch(const struct stp_env *env, struct build *b, size_t chu
     return ok;
 }
 
-static enum stp_result build_graph(const struct stp_env *env, struct build *b, bool *overload)
+static void free_workers(const struct stp_env *env, struct build *b)
 {
-    size_t chunks = (b->tree->blocks + CHUNK_BLOCKS - 1) / CHUNK_BLOCKS;
-    enum stp_result result;
-    if (alloc_scratch(env, b, chunks))
-        result = search(env, b, chunks, overload);
-    else
-        result = log_no_memory(env, b->graph->count * sizeof *b->graph->first, "the overlap graph");
-    free_scratch(env, b, chunks);
-    return result;
+    for (unsigned w = 0; b->workers && w < thread_count(env); w++) {
+        if (b->workers[w].max_degree > b->graph->max_degree)
+            b->graph->max_degree = b->workers[w].max_degree;
+        mem_free(b->workers[w].near);
+    }
+    mem_free(b->workers);
+}
+
+/* STP_OK and *over false: the graph is whole. */
+static enum stp_result build_graph(const struct stp_env *env, struct build *b, bool *over)
+{
+    bool ok = alloc_graph(env, b);
+    if (ok)
+        parallel_for(env, pool_count(b->graph), 1, build_pools, b);
+    ok = ok && !atomic_load(&b->no_memory);
+    free_workers(env, b);
+    b->graph->edges = atomic_load(&b->edges) / 2;
+    *over = out_of_proportion(b, atomic_load(&b->edges), atomic_load(&b->searched));
+    size_t bytes = (b->graph->count + 2 * b->graph->edges) * sizeof(uint32_t);
+    return ok ? STP_OK : log_no_memory(env, bytes, "the overlap graph");
 }
 
 enum stp_result overlap_graph_build(const struct stp_env *env, const struct splats *splats,
@@ -285,9 +280,12 @@ enum stp_result overlap_graph_build(const struct stp_env *env, const struct spla
         return result;
     built.nodes = tree.splats;
     struct build build = { .splats = splats, .params = params, .tree = &tree, .graph = &built };
-    result = build_graph(env, &build, overload);
+    bool over;
+    result = build_graph(env, &build, &over);
     block_tree_release(&tree);
-    if (result == STP_OK && built.neighbour)
+    if (result == STP_OK && overload)
+        *overload = over;
+    if (result == STP_OK && !over)
         *graph = built;
     else
         overlap_graph_release(&built);
@@ -296,7 +294,9 @@ enum stp_result overlap_graph_build(const struct stp_env *env, const struct spla
 
 void overlap_graph_release(struct overlap_graph *graph)
 {
-    mem_free(graph->first);
-    mem_free(graph->neighbour);
+    for (size_t i = 0; graph->pool && i < pool_count(graph); i++)
+        mem_free(graph->pool[i]);
+    mem_free(graph->pool);
+    mem_free(graph->end);
     *graph = (struct overlap_graph){ 0 };
 }

@@ -74,8 +74,7 @@ static void take_trial(struct grouping *g, double overlap, const struct overlap_
     g->facts.groups = groups;
     g->facts.overlap = overlap;
     g->facts.max_degree = graph->max_degree;
-    g->facts.avg_degree =
-        graph->nodes ? (double)graph->first[graph->count] / (double)graph->nodes : 0;
+    g->facts.avg_degree = graph->nodes ? 2 * (double)graph->edges / (double)graph->nodes : 0;
     g->facts.crowded = g->crowded + conflicts;
 }
 
@@ -121,10 +120,19 @@ static enum stp_result bisect(struct grouping *g, double low, double high)
     return result;
 }
 
-static enum stp_result lower_overlap(struct grouping *g, double overlap)
+/* What a heap may take of the groups: few are its own but for one, of many it leaves half to what
+ * is around it. */
+static unsigned heap_limit(unsigned max_groups)
 {
-    double least = overlap < GROUP_MIN_OVERLAP ? overlap : GROUP_MIN_OVERLAP;
-    unsigned limit = g->max_groups > 1 ? g->max_groups / 2 : 1; /* the rest is for what is around */
+    if (max_groups > 8)
+        return max_groups / 2;
+    return max_groups > 1 ? max_groups - 1 : 1;
+}
+
+/* Some splats are in heaps that no c spreads out: these leave, the rest is grouped. */
+static enum stp_result without_crowds(struct grouping *g, double least, double overlap)
+{
+    unsigned limit = heap_limit(g->max_groups);
     bool fits = false;
     enum stp_result result =
         block_tree_crowded(g->env, g->splats, least, limit, g->skip, &g->crowded);
@@ -134,6 +142,16 @@ static enum stp_result lower_overlap(struct grouping *g, double overlap)
         return result;
     result = try_overlap(g, least, true, &fits);
     return result == STP_OK && fits ? bisect(g, least, overlap) : result;
+}
+
+static enum stp_result lower_overlap(struct grouping *g, double overlap)
+{
+    double least = overlap < GROUP_MIN_OVERLAP ? overlap : GROUP_MIN_OVERLAP;
+    bool fits;
+    enum stp_result result = try_overlap(g, least, false, &fits);
+    if (result != STP_OK)
+        return result;
+    return fits ? bisect(g, least, overlap) : without_crowds(g, least, overlap);
 }
 
 static void warn(const struct grouping *g, double asked)

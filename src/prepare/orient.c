@@ -182,11 +182,14 @@ static void add_to_component(struct component *c, struct vec3 p, struct vec3 n, 
 
 static bool is_inward(const struct component *c, struct vec3 up)
 {
-    double vote = 0, sign[4] = { v3_dot(c->normals, up), c->normals.x, c->normals.y, c->normals.z };
+    double extent = 0, vote = 0,
+           sign[4] = { v3_dot(c->normals, up), c->normals.x, c->normals.y, c->normals.z };
     if (fabs(c->flux) >= 0.05 * c->most && c->most > 0)
         return c->flux < 0;
     for (int side = 0; side < 6; side++)
-        vote += c->facing[side];
+        extent = fmax(extent, c->reach[side]);
+    for (int side = 0; side < 6; side++) /* a flat sheet has no extreme point across it */
+        vote += c->reach[side] > 0.01 * extent ? c->facing[side] : 0;
     if (fabs(vote) >= 0.5)
         return vote < 0;
     for (int i = 0; i < 4; i++)

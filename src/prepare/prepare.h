@@ -10,14 +10,28 @@
 enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene,
                               const struct stp_prepare_params *params);
 
-/* ZP 4.1, Eq. 5: the overlap graph, as compressed adjacency (CSR), both directions. */
+/* ZP 4.1, Eq. 5: the overlap graph, as compressed adjacency, both directions. Rows are kept in
+ * the pools that the parallel build filled: 4 bytes a directed edge and 4 a splat, never copied. */
+#define OVERLAP_POOL 4096
 struct overlap_graph {
-    size_t count;        /* splats */
-    size_t nodes;        /* of them in the graph: all but those left out */
-    size_t *first;       /* count + 1 */
-    uint32_t *neighbour; /* ascending within a node */
+    size_t count;    /* splats */
+    size_t nodes;    /* of them in the graph: all but those left out */
+    size_t edges;    /* undirected */
+    uint32_t *end;   /* of splat i's row, in its pool */
+    uint32_t **pool; /* one for every OVERLAP_POOL splats */
     unsigned max_degree;
 };
+
+/* Splat i's neighbours, ascending. */
+struct overlap_row {
+    const uint32_t *neighbour;
+    size_t degree;
+};
+static inline struct overlap_row overlap_row(const struct overlap_graph *graph, size_t i)
+{
+    uint32_t first = i % OVERLAP_POOL ? graph->end[i - 1] : 0;
+    return (struct overlap_row){ graph->pool[i / OVERLAP_POOL] + first, graph->end[i] - first };
+}
 
 /* Tolerances of relaxation (1), coplanar and of one colour. See docs/results/grouping.md for the
  * error that they allow. */
@@ -60,12 +74,13 @@ enum stp_result largest_first_color(const struct stp_env *env, const struct over
 /* Both, into scene->splats.group and facts.grouping.
  * - A splat equal to its predecessor in every attribute takes that one's group and no part in the
  *   graph: either of them winning a pixel gives the same fragment, counted once instead of twice.
- * - Where more than max_groups are needed, splats that are crowded even at c = GROUP_MIN_OVERLAP
- *   (max_groups / 2 others that overlap them there precede them, by radius descending, then id)
- *   leave the graph and are spread over the groups in turn, so that a heap in one place costs the
- *   rest nothing. If that is not enough, c is lowered, by bisection in 64ths of the way to
- *   GROUP_MIN_OVERLAP, until the rest fits. A warning says both; facts.grouping.crowded counts
- *   the splats that may share a group with one they overlap.
+ * - Where more than max_groups are needed, c is lowered, by bisection in 64ths of the way to
+ *   GROUP_MIN_OVERLAP. Where that is not enough either there are heaps: splats that are crowded at
+ *   GROUP_MIN_OVERLAP (max_groups / 2 others, or max_groups - 1 up to 8, that overlap them there
+ * precede them, by radius descending, then id) leave the graph and are spread over the groups in
+ * turn, and the rest starts again from the asked c, so that a heap in one place costs the rest
+ * nothing. Warnings say so; facts.grouping.crowded counts the splats that may share a group with
+ * one they overlap.
  * - So a million coincident splats are grouped too, in time and memory in proportion. */
 #define GROUP_MIN_OVERLAP 0.1
 enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,

@@ -163,7 +163,7 @@ enum stp_result stp_camera_frame(const struct stp_scene *scene,
         f.slope[i] = MARGIN * tangent * (i == 0 ? (double)c.width / c.height : 1);
         f.length[i] = sqrt(1 + f.slope[i] * f.slope[i]);
     }
-    struct extremes e;
+    struct extremes e = { 0 };
     aim(&f, p);
     result = find_extremes(&f, &e);
     if (result != STP_OK)

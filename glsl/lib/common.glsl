@@ -1,0 +1,47 @@
+// Extensions, buffer references, the frame block and the specialisation constants.
+#extension GL_EXT_buffer_reference : require
+#extension GL_EXT_buffer_reference2 : require
+#extension GL_EXT_scalar_block_layout : require
+#extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
+#extension GL_EXT_control_flow_attributes : require
+
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4Ref { vec4 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Ref { vec3 v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FloatRef { float v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintRef { uint v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Uint64Ref { uint64_t v[]; };
+
+struct MaterialData {
+    float ambient, diffuse, specular, shininess;
+    vec3 albedo;
+    float epsilon;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MaterialRef { MaterialData v[]; };
+
+#include "shared/frame.h"
+
+layout(set = 0, binding = 0, scalar) uniform Frame { stp_frame_constants frame; };
+
+// The order is enum plan_constant (src/plan/plan.h).
+layout(constant_id = 0) const uint K = 1;
+layout(constant_id = 1) const uint VORONOI = 0;   // 0 off, 1 slab, 2 exact
+layout(constant_id = 2) const bool PACKED = false;
+layout(constant_id = 3) const bool GAUSS = false;
+layout(constant_id = 4) const bool TWO_SIDED = false;
+layout(constant_id = 5) const bool CULL_BACK = false;
+layout(constant_id = 6) const bool FLOOR = false;
+layout(constant_id = 7) const bool ORTHOGRAPHIC = false;
+layout(constant_id = 8) const bool HAS_COLOR = false;
+layout(constant_id = 9) const bool HAS_OBJECTS = false;
+layout(constant_id = 10) const bool HAS_UNKNOWN = false; // some normals are (0, 0, 0)
+layout(constant_id = 11) const bool HEAD_LIGHT = true;   // the default light alone
+layout(constant_id = 12) const bool LOCAL_VIEWER = false;
+layout(constant_id = 13) const bool BACKGROUND = false;
+layout(constant_id = 14) const uint AOVS = 0;            // bit 0 albedo and weight, bit 1 id and fragments
+layout(constant_id = 15) const uint SQUARINGS = 5;       // shininess = 2^SQUARINGS; 32: any
+layout(constant_id = 16) const bool REPAIR = false;      // two-pass code on overflowed pixels only
+layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside packed slots
+layout(constant_id = 18) const bool ATOMIC64 = true;
+layout(constant_id = 19) const bool LAYERED = false;     // raster: gl_Layer from the vertex shader
+
+layout(push_constant) uniform Push { uint push_layer; uint push_first; };

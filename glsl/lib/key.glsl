@@ -1,0 +1,79 @@
+// 64-bit keys of fragments (docs/deferred.md, "Keys"). Smaller wins; equal keys are equal fragments.
+//   packed, depth order:  depth 24 | rho^2 12 | normal 28
+//   packed, slabs:        slab 24-m | rho^2 12 | rest m | normal 28      depth = slab 2^m + rest
+//   id, depth order:      float depth 32 | id 32
+//   id, slabs:            slab 18 | rho 14 | id 32
+// Depth is quantised so that epsilon is exactly 2^m steps.
+
+uint normal_encode(vec3 n)
+{
+    n /= abs(n.x) + abs(n.y) + abs(n.z);
+    vec2 o = n.xy;
+    if (n.z < 0)
+        o = (1 - abs(n.yx)) * vec2(n.x >= 0 ? 1 : -1, n.y >= 0 ? 1 : -1);
+    ivec2 q = ivec2(round(o * 8191.0));
+    return uint(q.x & 0x3fff) | uint(q.y & 0x3fff) << 14;
+}
+
+vec3 normal_decode(uint u)
+{
+    vec2 o = vec2(int(u << 18) >> 18, int(u << 4) >> 18) * (1.0 / 8191.0);
+    vec3 n = vec3(o, 1 - abs(o.x) - abs(o.y));
+    float fold = max(-n.z, 0);
+    n.x += n.x >= 0 ? -fold : fold;
+    n.y += n.y >= 0 ? -fold : fold;
+    return n * inversesqrt(dot(n, n));
+}
+
+uint depth_quantise(float depth)
+{
+    return uint(clamp((depth - frame.depth_low) * frame.depth_scale, 0.0, 16777215.0));
+}
+
+float depth_restore(uint q)
+{
+    return frame.depth_low + (float(q) + 0.5) * frame.depth_step;
+}
+
+uint rho_quantise(float rho2)
+{
+    return uint(rho2 * 4095.0 + 0.5);
+}
+
+uint64_t key_packed(Fragment f, uint normal)
+{
+    uint depth = depth_quantise(f.depth), rho = rho_quantise(f.rho2);
+    if (VORONOI == 1) {
+        uint m = frame.depth_bits, slab = depth >> m, rest = depth & ((1u << m) - 1);
+        return uint64_t(slab) << (40 + m) | uint64_t(rho) << (28 + m) | uint64_t(rest) << 28 |
+               uint64_t(normal);
+    }
+    return uint64_t(depth) << 40 | uint64_t(rho) << 28 | uint64_t(normal);
+}
+
+// depth in quantised steps
+void key_unpack(uint64_t key, out uint depth, out float rho2, out uint normal)
+{
+    uint high = uint(key >> 28); // rho and what is above, without the top 4 bits of depth
+    normal = uint(key) & 0xfffffff;
+    if (VORONOI == 1) {
+        uint m = frame.depth_bits;
+        depth = uint(key >> (40 + m)) << m | (high & ((1u << m) - 1));
+        rho2 = float(uint(key >> (28 + m)) & 4095) * (1.0 / 4095.0);
+    } else {
+        depth = uint(key >> 40);
+        rho2 = float(high & 4095) * (1.0 / 4095.0);
+    }
+}
+
+uint64_t key_id(Fragment f, uint id)
+{
+    uint high = floatBitsToUint(f.depth);
+    if (VORONOI == 1) {
+        uint slab = uint(clamp((f.depth - frame.depth_low) * frame.slab_scale, 0.0, 262142.0));
+        high = slab << 14 | uint(min(sqrt(f.rho2), 1.0) * 16383.0 + 0.5);
+    } else if (VORONOI == 2) {
+        high = floatBitsToUint(f.rho2);
+    }
+    return uint64_t(high) << 32 | id;
+}

@@ -1,0 +1,28 @@
+// Where a pixel's data lives: blocks of 8 x 8, row-major within the tile.
+
+uint pixel_index(uvec2 p) // p relative to the tile
+{
+    uvec2 b = p / STP_BLOCK, i = p % STP_BLOCK;
+    return (b.y * frame.blocks_x + b.x) * (STP_BLOCK * STP_BLOCK) + i.y * STP_BLOCK + i.x;
+}
+
+// The pixel of thread i of block b; false outside the tile.
+bool block_pixel(uint b, uint i, out uvec2 p)
+{
+    p = uvec2(b % frame.blocks_x, b / frame.blocks_x) * STP_BLOCK +
+        uvec2(i % STP_BLOCK, i / STP_BLOCK);
+    return p.x < frame.tile_width && p.y < frame.tile_height;
+}
+
+// Offset of the pixel's centre, in the whole picture.
+vec2 pixel_center(uvec2 p)
+{
+    return vec2(p + uvec2(frame.tile_x, frame.tile_y)) + 0.5;
+}
+
+// Both halves of a dispatch run at once on a CPU device; neighbours then share its cache.
+uint workgroup_index()
+{
+    uint g = gl_WorkGroupID.x, count = gl_NumWorkGroups.x, half_ = (count + 1) / 2;
+    return g < half_ ? 2 * g : 2 * (g - half_) + 1;
+}

@@ -1,0 +1,105 @@
+// The compute rasteriser. A pass defines, before it includes this,
+//   void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
+// Small splats: a thread each. Splats that are large or cross the near plane go to a list, and each
+// takes a workgroup of the LARGE variant of the same pass.
+#include "lib/pixel.glsl"
+
+#ifdef LARGE
+layout(local_size_x = STP_LARGE_GROUP) in;
+#include "lib/clipped.glsl"
+#else
+layout(local_size_x = STP_GROUP) in;
+#endif
+
+void visit(uint id, Splat s, Footprint f, uint encoded, uvec2 pixel)
+{
+    Fragment fragment;
+    if (footprint_hit(f, vec2(pixel) + 0.5 - f.p, fragment))
+        fragment_emit(pixel_index(pixel - uvec2(frame.tile_x, frame.tile_y)), id, s, fragment,
+                      encoded);
+}
+
+void touch_blocks(ivec4 box)
+{
+    ivec4 b = (box - ivec2(frame.tile_x, frame.tile_y).xyxy) / STP_BLOCK;
+    int width = b.z - b.x + 1, count = width * (b.w - b.y + 1), x = b.x, y = b.y;
+    for (int i = 0; i < count; i++) {
+        frame.work.v[STP_WORK_FLAGS + y * frame.blocks_x + x] = 1;
+        if (++x > b.z) {
+            x = b.x;
+            y++;
+        }
+    }
+}
+
+#ifdef LARGE
+
+// A workgroup a splat; its threads step through the rectangle together.
+void main()
+{
+    uint index = gl_WorkGroupID.y * 32768u + gl_WorkGroupID.x;
+    if (index >= frame.work.v[STP_WORK_LARGE + 3])
+        return;
+    uint id = frame.large.v[index];
+    Splat s;
+    splat_load(id, s);
+    bool floored;
+    Footprint f = footprint_make(s, floored);
+    ivec4 box = !ORTHOGRAPHIC && splat_crosses_near(s) && !floored ? clipped_pixels(s)
+                                                                   : footprint_pixels(s, f, floored);
+    uint width = uint(box.z - box.x + 1), count = width * uint(box.w - box.y + 1);
+    uint encoded = splat_encode(s);
+#ifdef FIRST_PASS
+    if (gl_LocalInvocationIndex == 0)
+        touch_blocks(box);
+#endif
+    for (uint i = gl_LocalInvocationIndex; i < count; i += STP_LARGE_GROUP)
+        visit(id, s, f, encoded, uvec2(box.xy) + uvec2(i % width, i / width));
+}
+
+#else
+
+#ifdef FIRST_PASS
+void defer_large(uint id)
+{
+    uint slot = atomicAdd(frame.work.v[STP_WORK_LARGE + 3], 1);
+    frame.large.v[slot] = id;
+    atomicMax(frame.work.v[STP_WORK_LARGE], min(slot + 1, 32768u));
+    atomicMax(frame.work.v[STP_WORK_LARGE + 1], slot / 32768u + 1);
+}
+#endif
+
+void main()
+{
+    uint id = workgroup_index() * STP_GROUP + gl_LocalInvocationIndex;
+    if (id >= frame.splat_count)
+        return;
+    Splat s;
+    if (!splat_load(id, s) || (!ORTHOGRAPHIC && splat_before_near(s)))
+        return;
+    bool floored;
+    Footprint f = footprint_make(s, floored);
+    bool crosses = !ORTHOGRAPHIC && splat_crosses_near(s) && !floored;
+    ivec4 box = footprint_pixels(s, f, floored);
+    int width = box.z - box.x + 1, height = box.w - box.y + 1;
+    // In float: the product may exceed an int only where it is large anyway.
+    bool large = crosses || float(width) * float(height) > float(STP_LARGE_AREA);
+    int count = large ? 0 : width * height;
+#ifdef FIRST_PASS
+    if (large)
+        defer_large(id);
+    if (count > 0)
+        touch_blocks(box);
+#endif
+    uint encoded = splat_encode(s);
+    int x = box.x, y = box.y;
+    for (int i = 0; i < count; i++) {
+        visit(id, s, f, encoded, uvec2(x, y));
+        if (++x > box.z) {
+            x = box.x;
+            y++;
+        }
+    }
+}
+
+#endif

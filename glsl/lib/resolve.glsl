@@ -1,0 +1,27 @@
+// What resolving passes share: a workgroup a touched block (every block with ALL_BLOCKS), and
+// fragments fetched again by id.
+#include "lib/pixel.glsl"
+layout(local_size_x = STP_GROUP) in;
+
+bool resolve_pixel(out uvec2 p, out uint pixel)
+{
+#ifdef ALL_BLOCKS
+    uint block = workgroup_index();
+#else
+    uint count = frame.blocks_x * frame.blocks_y;
+    uint block = frame.work.v[STP_WORK_FLAGS + count + workgroup_index()];
+#endif
+    pixel = block * STP_GROUP + gl_LocalInvocationIndex;
+    return block_pixel(block, gl_LocalInvocationIndex, p);
+}
+
+// The fragment that splat `id` had at this pixel, by the same arithmetic.
+Fragment fragment_again(uint id, vec2 center, out Splat s)
+{
+    splat_load(id, s);
+    bool floored;
+    Footprint f = footprint_make(s, floored);
+    Fragment fragment;
+    footprint_hit(f, center - f.p, fragment);
+    return fragment;
+}

@@ -1,0 +1,86 @@
+// Deferred shading, one for every method: averaged attributes in, the picture's channels out.
+
+struct Surface {
+    float weight;     // sum of weights
+    vec3 normal;      // weighted sum, camera frame
+    float depth;      // averaged
+    vec3 albedo;      // weighted sum; unused without HAS_COLOR
+    vec3 near_normal; // of the nearest fragment: stands in where sums vanish
+    float near_depth;
+    uint id;          // nearest splat, or STP_NO_ID where the payload has none
+    uint fragments;
+};
+
+float power(float x, float shininess)
+{
+    if (SQUARINGS > 16)
+        return x > 0 ? pow(x, shininess) : 0;
+    [[unroll]] for (uint i = 0; i < SQUARINGS; i++)
+        x *= x;
+    return x;
+}
+
+vec3 camera_point(vec2 pixel, float depth)
+{
+    vec2 d = (pixel - vec2(frame.center[0], frame.center[1])) *
+             vec2(frame.inv_focal[0], frame.inv_focal[1]);
+    return ORTHOGRAPHIC ? vec3(d, depth) : vec3(d, 1) * depth;
+}
+
+vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)
+{
+    if (HEAD_LIGHT && !LOCAL_VIEWER) {
+        float c = max(0, -n.z);
+        return albedo * (m.ambient + m.diffuse * c) + m.specular * power(c, m.shininess);
+    }
+    vec3 p = camera_point(pixel, depth), color = vec3(0);
+    vec3 view = LOCAL_VIEWER && !ORTHOGRAPHIC ? -normalize(p) : vec3(0, 0, -1);
+    for (uint i = 0; i < frame.light_count; i++) {
+        vec3 at = vec3(frame.lights[i].position[0], frame.lights[i].position[1],
+                       frame.lights[i].position[2]);
+        vec3 light = vec3(frame.lights[i].color[0], frame.lights[i].color[1],
+                          frame.lights[i].color[2]);
+        vec3 l = frame.lights[i].positional != 0 ? normalize(at - p) : at;
+        vec3 h = l + view;
+        float length2 = dot(h, h);
+        float c = length2 > 0 ? max(0, dot(n, h) * inversesqrt(length2)) : 0;
+        color += light * (albedo * (m.ambient + m.diffuse * max(0, dot(n, l))) +
+                          m.specular * power(c, m.shininess));
+    }
+    return color;
+}
+
+vec3 world_normal(vec3 n)
+{
+    const float r[9] = frame.rotation;
+    return vec3(r[0] * n.x + r[3] * n.y + r[6] * n.z, r[1] * n.x + r[4] * n.y + r[7] * n.z,
+                r[2] * n.x + r[5] * n.y + r[8] * n.z);
+}
+
+// Writes the pixel at p (relative to the tile). hit false: nothing is there.
+void surface_write(uvec2 p, bool hit, Surface s)
+{
+    uint at = p.y * frame.tile_width + p.x;
+    bool vanished = !(s.weight >= 1e-6 && dot(s.normal, s.normal) >= 1e-12);
+    vec3 n = vanished ? s.near_normal : s.normal * inversesqrt(dot(s.normal, s.normal));
+    float depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
+    MaterialData m = frame.materials.v[0];
+    if (HAS_OBJECTS)
+        m = frame.materials.v[hit ? floatBitsToUint(frame.splats.v[2 * s.id + 1].w) >> 8 : 0];
+    vec3 albedo = m.albedo;
+    if (HAS_COLOR)
+        albedo = vanished ? frame.colors.v[hit ? s.id : 0] : s.albedo / s.weight;
+    vec4 color = vec4(shade(m, albedo, n, pixel_center(p), depth), 1);
+    if (BACKGROUND && !hit)
+        color = vec4(frame.background[0], frame.background[1], frame.background[2],
+                     frame.background[3]);
+    frame.out_color.v[at] = hit || BACKGROUND ? color : vec4(0);
+    frame.out_normal.v[at] = hit ? world_normal(n) : vec3(0);
+    frame.out_depth.v[at] = hit ? depth : 1.0 / 0.0;
+    if ((AOVS & 1) != 0)
+        frame.out_albedo.v[at] = hit ? vec4(albedo, s.weight) : vec4(0);
+    if ((AOVS & 2) != 0) {
+        frame.out_id.v[2 * at] = hit ? s.id : STP_NO_ID;
+        frame.out_id.v[2 * at + 1] = hit ? s.fragments : 0;
+    }
+}

@@ -1,0 +1,201 @@
+// A splat on the screen (docs/numerics.md). Camera frame: x right, y down, z forward.
+
+struct Splat {
+    vec3 center, normal;
+    float radius;
+    uint tag; // group | object << 8
+};
+
+// With offset d from the projected centre, in pixels:
+//   den = g + ab.d,  rho^2 = (q.x dx^2 + 2 q.y dx dy + q.z dy^2) / den^2,  depth = zc + h.d / den
+struct Footprint {
+    vec2 p;
+    float g;
+    vec2 ab;
+    vec3 q;
+    float zc;
+    vec2 h;
+    float reach; // a floored splat's depth stays within zc +- reach; else infinite
+};
+
+struct Fragment {
+    float rho2, depth;
+};
+
+uint splat_group(Splat s)
+{
+    return s.tag & 255u;
+}
+
+// False: culled.
+bool splat_load(uint id, out Splat s)
+{
+    vec4 a = frame.splats.v[2 * id], b = frame.splats.v[2 * id + 1];
+    const float r[9] = frame.rotation, t[3] = frame.translation;
+    s.center = vec3(r[0] * a.x + r[1] * a.y + r[2] * a.z + t[0],
+                    r[3] * a.x + r[4] * a.y + r[5] * a.z + t[1],
+                    r[6] * a.x + r[7] * a.y + r[8] * a.z + t[2]);
+    s.normal = vec3(r[0] * b.x + r[1] * b.y + r[2] * b.z, r[3] * b.x + r[4] * b.y + r[5] * b.z,
+                    r[6] * b.x + r[7] * b.y + r[8] * b.z);
+    s.radius = a.w;
+    s.tag = floatBitsToUint(b.w);
+    if (HAS_UNKNOWN && b.x == 0 && b.y == 0 && b.z == 0)
+        s.normal = ORTHOGRAPHIC ? vec3(0, 0, -1) : -normalize(s.center);
+    float away = ORTHOGRAPHIC ? s.normal.z : dot(s.normal, s.center);
+    if (TWO_SIDED && away > 0)
+        s.normal = -s.normal;
+    return !CULL_BACK || away < 0;
+}
+
+vec2 splat_direction(Splat s)
+{
+    return ORTHOGRAPHIC ? s.center.xy : s.center.xy / s.center.z;
+}
+
+Footprint footprint_exact(Splat s)
+{
+    Footprint f;
+    vec2 d = splat_direction(s), i = vec2(frame.inv_focal[0], frame.inv_focal[1]);
+    f.p = vec2(frame.center[0], frame.center[1]) + vec2(frame.focal[0], frame.focal[1]) * d;
+    f.zc = s.center.z;
+    f.reach = 1.0 / 0.0;
+    vec2 n = s.normal.xy * i;
+    if (ORTHOGRAPHIC) {
+        float k = 1 / (s.radius * s.radius), nz = s.normal.z;
+        f.g = nz;
+        f.ab = vec2(0);
+        f.q = k * vec3(i.x * i.x * nz * nz + n.x * n.x, n.x * n.y, i.y * i.y * nz * nz + n.y * n.y);
+        f.h = -n;
+        return f;
+    }
+    float alpha = s.center.z / s.radius, g = dot(s.normal.xy, d) + s.normal.z;
+    alpha *= alpha;
+    float view2 = dot(d, d) + 1;
+    vec2 e = d * i;
+    f.g = g;
+    f.ab = n;
+    f.q = alpha * vec3(g * (g * i.x * i.x - 2 * n.x * e.x) + view2 * n.x * n.x,
+                       view2 * n.x * n.y - g * (n.x * e.y + n.y * e.x),
+                       g * (g * i.y * i.y - 2 * n.y * e.y) + view2 * n.y * n.y);
+    f.h = -s.center.z * n;
+    return f;
+}
+
+// Largest eigenvalue of the quadratic form, and its unit eigenvector.
+float form_major(vec3 q, out vec2 axis)
+{
+    float mean = 0.5 * (q.x + q.z), half_ = 0.5 * (q.x - q.z);
+    float spread = sqrt(half_ * half_ + q.y * q.y);
+    axis = half_ >= 0 ? vec2(half_ + spread, q.y) : vec2(q.y, spread - half_);
+    float l = dot(axis, axis);
+    axis = l > 0 ? axis * inversesqrt(l) : vec2(1, 0);
+    return mean + spread;
+}
+
+// The screen-space floor: true when the splat is drawn by its floored affine ellipse.
+bool footprint_floor(Splat s, inout Footprint f)
+{
+    vec2 axis;
+    float major = form_major(f.q, axis), least = 4 / (frame.floor_size * frame.floor_size);
+    float g2 = f.g * f.g;
+    if (!(major > least * g2) || s.center.z < frame.near_depth)
+        return false;
+    float scale = ORTHOGRAPHIC ? 1 / s.radius : s.center.z / s.radius;
+    float area = scale * scale * frame.inv_focal[0] * frame.inv_focal[1]; // det(q) = area^2 g^2
+    float minor = min(area * area / major, least);
+    vec2 d = splat_direction(s);
+    float view2 = ORTHOGRAPHIC ? 1 : dot(d, d) + 1;
+    f.h = g2 > 1e-14 * view2 ? f.h / f.g : vec2(0);
+    f.reach = s.radius;
+    f.q = vec3(minor) * vec3(1, 0, 1) +
+          (least - minor) * vec3(axis.x * axis.x, axis.x * axis.y, axis.y * axis.y);
+    f.g = 1;
+    f.ab = vec2(0);
+    return true;
+}
+
+Footprint footprint_make(Splat s, out bool floored)
+{
+    Footprint f = footprint_exact(s);
+    floored = FLOOR ? footprint_floor(s, f) : false;
+    return f;
+}
+
+// False: the pixel's ray misses. d: pixel centre minus the projected centre.
+bool footprint_hit(Footprint f, vec2 d, out Fragment fragment)
+{
+    float den = f.g + f.ab.x * d.x + f.ab.y * d.y;
+    float form = d.x * (f.q.x * d.x + 2 * f.q.y * d.y) + f.q.z * d.y * d.y;
+    float inv = 1 / den;
+    float rise = (f.h.x * d.x + f.h.y * d.y) * inv;
+    fragment.rho2 = form * inv * inv;
+    fragment.depth = f.zc + (FLOOR ? clamp(rise, -f.reach, f.reach) : rise);
+    return form <= den * den && fragment.depth >= frame.near_depth &&
+           fragment.depth <= frame.far_depth;
+}
+
+float kernel_weight(float rho2)
+{
+    return GAUSS ? exp(-2 * rho2) : max(0, 1 - rho2);
+}
+
+// How far the disc reaches along the depth axis.
+float splat_depth_reach(Splat s)
+{
+    return s.radius * sqrt(max(0, 1 - s.normal.z * s.normal.z));
+}
+
+bool splat_crosses_near(Splat s)
+{
+    return !(s.center.z - splat_depth_reach(s) > frame.near_depth);
+}
+
+bool splat_before_near(Splat s)
+{
+    return s.center.z + splat_depth_reach(s) < frame.near_depth;
+}
+
+// Offsets from the projected centre that the outline reaches; for splats before no plane.
+vec4 footprint_extent(Splat s, Footprint f, bool floored)
+{
+    vec2 focal = vec2(frame.focal[0], frame.focal[1]);
+    if (floored) {
+        vec2 e = sqrt(vec2(f.q.z, f.q.x) / (f.q.x * f.q.z - f.q.y * f.q.y));
+        return vec4(-e, e);
+    }
+    vec3 n = s.normal;
+    if (ORTHOGRAPHIC) {
+        vec2 e = s.radius * focal * sqrt(max(vec2(0), 1 - n.xy * n.xy));
+        return vec4(-e, e);
+    }
+    // Tangent lines of the projected conic: det(q) = (alpha g / fx fy)^2 cancels (docs/deferred.md).
+    vec2 d = splat_direction(s);
+    float alpha = s.center.z / s.radius, m = dot(n.xy, n.xy), k = 1 / (alpha * alpha - m);
+    vec2 mid = (d * m + n.xy * n.z) * k;
+    vec2 e = n.xy * d + n.z;
+    vec2 reach = sqrt(mid * mid + (e * e + n.yx * n.yx * (1 + d * d)) * k);
+    return vec4(focal * (mid - reach), focal * (mid + reach));
+}
+
+// Pixel rectangle [xy, zw] within the tile, a thousandth of a pixel wider than the outline.
+ivec4 pixels_of(vec4 box)
+{
+    vec2 low = vec2(frame.tile_x, frame.tile_y);
+    vec2 high = low + vec2(frame.tile_width, frame.tile_height) - 1;
+    vec2 from = max(ceil(box.xy - 0.5 - 1e-3), low), to = min(floor(box.zw - 0.5 + 1e-3), high);
+    // Empty boxes, and NaN, come out as from > to.
+    return all(lessThanEqual(from, to)) ? ivec4(from, to) : ivec4(0, 0, -1, -1);
+}
+
+ivec4 footprint_pixels(Splat s, Footprint f, bool floored)
+{
+    return pixels_of(footprint_extent(s, f, floored) + f.p.xyxy);
+}
+
+// The epsilon of the object that splat `id` belongs to.
+float object_epsilon(uint id)
+{
+    if (!HAS_OBJECTS)
+        return frame.epsilon;
+    return frame.materials.v[floatBitsToUint(frame.splats.v[2 * id + 1].w) >> 8].epsilon;
+}

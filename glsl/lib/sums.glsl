@@ -1,0 +1,27 @@
+// A pixel's fixed-point sums: order-independent. Words: 0 id (low half) and depth bits (high half)
+// of the nearest, 1 weight, 2-4 normal, 5 depth above the nearest over epsilon, 6-8 colour,
+// 9 fragments. With REPAIR they live in the slots of a pixel that overflowed them (exact), else in
+// a buffer of their own (two-pass).
+
+uint sums_at(uint pixel)
+{
+    return pixel * (REPAIR ? STP_SLOTS : STP_SUM_WORDS);
+}
+
+bool sums_skip(uint pixel)
+{
+    return REPAIR && frame.counts.v[pixel] <= STP_SLOTS;
+}
+
+Uint64Ref sums_buffer()
+{
+    if (REPAIR)
+        return frame.keys;
+    return frame.sums;
+}
+
+UintRef sums_halves()
+{
+    return UintRef(uint64_t(sums_buffer()));
+}
+

@@ -1,0 +1,31 @@
+// What the splat's vertices hand to its fragments: the footprint, flat.
+#ifdef FRAGMENT
+#define VARY(at) layout(location = at) flat in
+#else
+#define VARY(at) layout(location = at) flat out
+#endif
+VARY(0) uint vary_id;
+VARY(1) vec4 vary_a; // p, zc, g
+VARY(2) vec4 vary_b; // ab, h
+VARY(3) vec4 vary_c; // q, reach
+VARY(4) vec3 vary_normal;
+
+#ifdef FRAGMENT
+// Discards where the pixel's ray misses the splat.
+Fragment fragment_here()
+{
+    Footprint f = Footprint(vary_a.xy, vary_a.w, vary_b.xy, vary_c.xyz, vary_a.z, vary_b.zw, vary_c.w);
+    Fragment fragment;
+    vec2 center = gl_FragCoord.xy + vec2(frame.tile_x, frame.tile_y);
+    if (!footprint_hit(f, center - f.p, fragment))
+        discard;
+    return fragment;
+}
+
+// Reversed: larger is nearer.
+float hardware_depth(float depth)
+{
+    return ORTHOGRAPHIC ? clamp((frame.raster_near - depth) * frame.raster_scale, 0, 1)
+                        : min(1, frame.raster_near / depth);
+}
+#endif

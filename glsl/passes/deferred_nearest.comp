@@ -1,0 +1,18 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// --voronoi exact, first step: each group's nearest depth of every pixel.
+#include "lib/common.glsl"
+#include "lib/splat.glsl"
+#define FIRST_PASS
+
+uint splat_encode(Splat s)
+{
+    return 0;
+}
+
+void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
+{
+    atomicMin(frame.nearest.v[pixel * K + splat_group(s)], floatBitsToUint(f.depth));
+}
+
+#include "lib/rasterize.glsl"

@@ -1,0 +1,25 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Every fragment kept, in one geometry pass: STP_SLOTS a pixel, counted.
+#include "lib/common.glsl"
+#include "lib/splat.glsl"
+#include "lib/key.glsl"
+#define FIRST_PASS
+
+uint splat_encode(Splat s)
+{
+    return PACKED ? normal_encode(s.normal) : 0;
+}
+
+void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
+{
+    uint slot = atomicAdd(frame.counts.v[pixel], 1);
+    if (slot >= STP_SLOTS)
+        return;
+    uint at = pixel * STP_SLOTS + slot;
+    frame.keys.v[at] = PACKED ? key_packed(f, encoded) : key_id(f, id);
+    if (KEY_IDS)
+        frame.key_ids.v[at] = id;
+}
+
+#include "lib/rasterize.glsl"

@@ -1,0 +1,64 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+#ifdef LAYERS
+#extension GL_ARB_shader_viewport_layer_array : require
+#endif
+// Three vertices a splat, pulled: the triangle around the disc, in its plane; a floored splat gets
+// one around its ellipse on the screen. Fragments decide exactly, so this only has to be wide enough.
+#include "lib/common.glsl"
+#include "lib/splat.glsl"
+#include "lib/varying.glsl"
+
+const float WIDE = 2.1; // an equilateral triangle of inradius 1 reaches 2
+
+vec4 to_clip(vec2 pixel, float z, float w)
+{
+    vec2 size = vec2(frame.tile_width, frame.tile_height);
+    vec2 ndc = (pixel - w * vec2(frame.tile_x, frame.tile_y)) * 2 / size - w;
+    return vec4(ndc, z, w);
+}
+
+vec4 disc_vertex(Splat s, vec2 turn)
+{
+    vec3 n = s.normal;
+    vec3 e = normalize(abs(n.x) < 0.7 ? vec3(0, n.z, -n.y) : vec3(-n.z, 0, n.x));
+    vec3 p = s.center + s.radius * WIDE * (turn.x * e + turn.y * cross(n, e));
+    vec2 focal = vec2(frame.focal[0], frame.focal[1]), c = vec2(frame.center[0], frame.center[1]);
+    if (ORTHOGRAPHIC)
+        return to_clip(c + focal * p.xy, 0.5, 1);
+    return to_clip(c * p.z + focal * p.xy, frame.near_depth, p.z);
+}
+
+vec4 ellipse_vertex(Footprint f, vec2 turn)
+{
+    vec2 axis;
+    float major = form_major(f.q, axis);
+    float minor = (f.q.x * f.q.z - f.q.y * f.q.y) / major;
+    vec2 d = turn.x * inversesqrt(major) * axis + turn.y * inversesqrt(minor) * vec2(-axis.y, axis.x);
+    return to_clip(f.p + WIDE * d, 0.5, 1);
+}
+
+void main()
+{
+    uint index = gl_VertexIndex / 3, corner = gl_VertexIndex % 3;
+#ifdef ORDERED
+    uint id = frame.order.v[push_first + index];
+#else
+    uint id = index;
+#endif
+    Splat s;
+    bool floored, seen = splat_load(id, s);
+    Footprint f = footprint_make(s, floored);
+    vec2 turn = vec2(corner == 0 ? 1.0 : -0.5, corner == 0 ? 0 : corner == 1 ? 0.8660254 : -0.8660254);
+    gl_Position = floored ? ellipse_vertex(f, turn) : disc_vertex(s, turn);
+    if (!seen)
+        gl_Position = vec4(-2, -2, 0, 1);
+#ifdef LAYERS
+    gl_Layer = int(splat_group(s));
+#endif
+    vary_id = id;
+    vary_a = vec4(f.p, f.zc, f.g);
+    vary_b = vec4(f.ab, f.h);
+    vary_c = vec4(f.q, f.reach);
+    vary_normal = s.normal;
+}

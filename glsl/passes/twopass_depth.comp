@@ -1,0 +1,35 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The classical first pass: the nearest depth of every pixel, and the lowest id that has it.
+// Without 64-bit atomics the id takes a pass of its own (NEAREST_ID).
+#include "lib/common.glsl"
+#ifdef WITH_ATOMIC64
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
+#include "lib/splat.glsl"
+#include "lib/sums.glsl"
+#ifndef NEAREST_ID
+#define FIRST_PASS
+#endif
+
+uint splat_encode(Splat s)
+{
+    return 0;
+}
+
+void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
+{
+    if (sums_skip(pixel))
+        return;
+    uint at = sums_at(pixel), depth = floatBitsToUint(f.depth);
+#ifdef WITH_ATOMIC64
+    atomicMin(sums_buffer().v[at], uint64_t(depth) << 32 | id);
+#elif defined(NEAREST_ID)
+    if (sums_halves().v[2 * at + 1] == depth)
+        atomicMin(sums_halves().v[2 * at], id);
+#else
+    atomicMin(sums_halves().v[2 * at + 1], depth);
+#endif
+}
+
+#include "lib/rasterize.glsl"

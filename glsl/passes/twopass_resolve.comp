@@ -1,0 +1,42 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Normalisation and deferred shading of the two-pass sums (ZP 3.1, third pass).
+#include "lib/common.glsl"
+#include "lib/splat.glsl"
+#include "lib/sums.glsl"
+#include "lib/resolve.glsl"
+#include "lib/shade.glsl"
+
+float sum(uint at, float scale)
+{
+    return float(int64_t(sums_buffer().v[at])) / scale;
+}
+
+void main()
+{
+    uvec2 p;
+    uint pixel;
+    if (!resolve_pixel(p, pixel) || sums_skip(pixel))
+        return;
+    uint at = sums_at(pixel);
+    uint64_t first = sums_buffer().v[at];
+    bool hit = first != ~0ul;
+    Surface s;
+    s.id = uint(first);
+    s.near_depth = uintBitsToFloat(uint(first >> 32));
+    float scale = frame.sum_scale;
+    s.weight = sum(at + 1, scale);
+    s.normal = vec3(sum(at + 2, scale), sum(at + 3, scale), sum(at + 4, scale));
+    s.depth = s.near_depth + sum(at + 5, scale) / s.weight * (hit ? object_epsilon(s.id) : 0);
+    if (HAS_COLOR)
+        s.albedo = vec3(sum(at + 6, frame.color_scale), sum(at + 7, frame.color_scale),
+                        sum(at + 8, frame.color_scale));
+    s.fragments = uint(sums_buffer().v[at + 9]);
+    s.near_normal = vec3(0, 0, -1);
+    if (hit) {
+        Splat splat;
+        splat_load(s.id, splat);
+        s.near_normal = splat.normal;
+    }
+    surface_write(p, hit, s);
+}

@@ -1,0 +1,43 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Normalisation and deferred shading of the rasteriser's sums.
+#include "lib/common.glsl"
+#include "lib/splat.glsl"
+#define ALL_BLOCKS
+#include "lib/resolve.glsl"
+#include "lib/shade.glsl"
+
+layout(set = 0, binding = 1, rg32ui) uniform readonly uimage2DArray nearest_image;
+layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray sum_image;
+layout(set = 0, binding = 4, rg32f) uniform readonly image2DArray depth_image;
+#ifdef WITH_COLOR
+layout(set = 0, binding = 5, rgba32f) uniform readonly image2DArray color_image;
+#endif
+
+void main()
+{
+    uvec2 p;
+    uint pixel;
+    if (!resolve_pixel(p, pixel))
+        return;
+    ivec3 at = ivec3(p, 0);
+    uvec2 first = imageLoad(nearest_image, at).xy;
+    vec4 sum = imageLoad(sum_image, at);
+    vec2 above = imageLoad(depth_image, at).xy;
+    bool hit = first.y != STP_NO_ID;
+    Surface s;
+    s.id = first.y;
+    s.near_depth = uintBitsToFloat(first.x);
+    s.weight = sum.w;
+    s.normal = sum.xyz;
+    s.depth = s.near_depth + above.x / sum.w * (hit ? object_epsilon(s.id) : 0);
+    s.fragments = uint(above.y);
+    s.albedo = vec3(0);
+#ifdef WITH_COLOR
+    s.albedo = imageLoad(color_image, at).xyz;
+#endif
+    Splat splat;
+    splat_load(hit ? s.id : 0, splat);
+    s.near_normal = splat.normal;
+    surface_write(p, hit, s);
+}

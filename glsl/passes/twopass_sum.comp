@@ -1,0 +1,57 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// The classical second pass: weighted sums of what lies within epsilon of the nearest, in fixed
+// point, so that the order of the splats does not matter.
+#include "lib/common.glsl"
+#ifdef WITH_ATOMIC64
+#extension GL_EXT_shader_atomic_int64 : require
+#endif
+#include "lib/splat.glsl"
+#include "lib/sums.glsl"
+
+uint splat_encode(Splat s)
+{
+    return 0;
+}
+
+void sums_add(uint at, float value, float scale)
+{
+    uint64_t v = uint64_t(int64_t(round(value * scale)));
+#ifdef WITH_ATOMIC64
+    atomicAdd(sums_buffer().v[at], v);
+#else
+    // Two 32-bit halves; the low one carries when it wraps.
+    uint low = uint(v), high = uint(v >> 32);
+    uint old = atomicAdd(sums_halves().v[2 * at], low);
+    high += old + low < old ? 1 : 0;
+    if (high != 0)
+        atomicAdd(sums_halves().v[2 * at + 1], high);
+#endif
+}
+
+void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
+{
+    if (sums_skip(pixel))
+        return;
+    uint at = sums_at(pixel);
+    uint64_t first = sums_buffer().v[at];
+    float nearest = uintBitsToFloat(uint(first >> 32)), epsilon = object_epsilon(uint(first));
+    if (f.depth > nearest + epsilon)
+        return;
+    float w = kernel_weight(f.rho2), scale = frame.sum_scale;
+    sums_add(at + 1, w, scale);
+    sums_add(at + 2, w * s.normal.x, scale);
+    sums_add(at + 3, w * s.normal.y, scale);
+    sums_add(at + 4, w * s.normal.z, scale);
+    sums_add(at + 5, w * ((f.depth - nearest) / epsilon), scale);
+    if (HAS_COLOR) {
+        vec3 c = frame.colors.v[id];
+        sums_add(at + 6, w * c.x, frame.color_scale);
+        sums_add(at + 7, w * c.y, frame.color_scale);
+        sums_add(at + 8, w * c.z, frame.color_scale);
+    }
+    if ((AOVS & 2) != 0)
+        atomicAdd(sums_halves().v[2 * at + 18], 1);
+}
+
+#include "lib/rasterize.glsl"

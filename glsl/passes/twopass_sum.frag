@@ -1,0 +1,26 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Point blending: weighted sums of what lies within epsilon of the nearest, in primitive order.
+#include "lib/common.glsl"
+#include "lib/splat.glsl"
+#define FRAGMENT
+#include "lib/varying.glsl"
+
+layout(set = 0, binding = 1, rg32ui) uniform readonly uimage2DArray nearest_image;
+
+layout(location = 0) out vec4 sum;
+layout(location = 1) out vec2 depth_sum; // above the nearest over epsilon, and a count
+layout(location = 2) out vec4 color_sum;
+
+void main()
+{
+    Fragment f = fragment_here();
+    uvec2 first = imageLoad(nearest_image, ivec3(gl_FragCoord.xy, 0)).xy;
+    float nearest = uintBitsToFloat(first.x), epsilon = object_epsilon(first.y);
+    if (f.depth > nearest + epsilon)
+        discard;
+    float w = kernel_weight(f.rho2);
+    sum = vec4(w * vary_normal, w);
+    depth_sum = vec2(w * (f.depth - nearest) / epsilon, 1);
+    color_sum = HAS_COLOR ? vec4(w * frame.colors.v[vary_id], w) : vec4(0);
+}

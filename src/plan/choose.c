@@ -1,0 +1,149 @@
+#include "plan/plan.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "base/log.h"
+
+#define LEAST_DEPTH_BITS 8      /* packed keys: epsilon is at least 2^8 quantised steps */
+#define MOST_SLABS       262142 /* keys with ids hold 18 bits of slab */
+
+static enum stp_method resolve_method(const struct stp_render_params *params)
+{
+    return params->method == STP_METHOD_AUTO ? STP_METHOD_EXACT : params->method;
+}
+
+bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
+                           const struct stp_limits *limits)
+{
+    return resolve_method(params) == STP_METHOD_DEFERRED;
+}
+
+static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *plan)
+{
+    unsigned features = plan->limits.features;
+    bool atomics = (features & STP_FEATURE_INT64_ATOMICS) != 0;
+    enum stp_path path = plan->params.path;
+    if (path == STP_PATH_AUTO) {
+        bool raster = plan->method == STP_METHOD_DEFERRED && !atomics;
+        path = raster ? STP_PATH_RASTER : STP_PATH_COMPUTE;
+    }
+    if (path == STP_PATH_RASTER && plan->method == STP_METHOD_EXACT)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method exact has no raster path; ask for compute, or for two-pass");
+    if (path == STP_PATH_COMPUTE && plan->method == STP_METHOD_DEFERRED && !atomics)
+        return log_error(env, STP_ERROR_FEATURE,
+                         "deferred --path compute needs shaderBufferInt64Atomics, which the "
+                         "device lacks; use --path raster or --method exact");
+    if (path == STP_PATH_RASTER && plan->method == STP_METHOD_TWO_PASS &&
+        !(features & STP_FEATURE_FLOAT32_BLEND))
+        return log_error(env, STP_ERROR_FEATURE,
+                         "two-pass --path raster needs blending into float32 images, which the "
+                         "device lacks; use --path compute");
+    plan->path = path;
+    return STP_OK;
+}
+
+static enum stp_result choose_voronoi(const struct stp_env *env, struct stp_plan *plan)
+{
+    enum stp_voronoi voronoi = plan->params.voronoi;
+    if (plan->method != STP_METHOD_DEFERRED) {
+        plan->voronoi = STP_VORONOI_OFF;
+        return STP_OK;
+    }
+    if (voronoi == STP_VORONOI_DEFAULT)
+        voronoi = plan->facts.grouping.overlap < 1 ? STP_VORONOI_SLAB : STP_VORONOI_OFF;
+    if (voronoi == STP_VORONOI_EXACT && plan->path == STP_PATH_RASTER)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "--voronoi exact needs the compute path; the rasteriser offers slab");
+    double slabs = (double)plan->frame.depth_scale * ldexp(1, -(int)plan->frame.depth_bits);
+    if (voronoi == STP_VORONOI_SLAB && !(slabs > 0))
+        voronoi = STP_VORONOI_OFF;
+    plan->voronoi = voronoi;
+    return STP_OK;
+}
+
+/* Packed keys need a depth range that 24 bits hold, and, deferred, nothing that asks for ids. */
+static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
+{
+    bool wants_ids = plan->facts.has_color || plan->facts.objects > 1 ||
+                     (plan->params.aovs & STP_AOV_ID) != 0;
+    bool fits = plan->frame.depth_bits >= LEAST_DEPTH_BITS;
+    bool packable = fits && plan->path == STP_PATH_COMPUTE && plan->voronoi != STP_VORONOI_EXACT &&
+                    (plan->method == STP_METHOD_EXACT ||
+                     (plan->method == STP_METHOD_DEFERRED && !wants_ids));
+    bool packed = packable && plan->params.payload != STP_PAYLOAD_ID;
+    plan->payload = packed ? STP_PAYLOAD_PACKED : STP_PAYLOAD_ID;
+    if (!packed && plan->voronoi == STP_VORONOI_SLAB && range_over_epsilon > MOST_SLABS)
+        plan->voronoi = STP_VORONOI_OFF;
+    plan->constant[PLAN_PACKED] = packed;
+    plan->constant[PLAN_KEY_IDS] = packed && plan->method == STP_METHOD_EXACT && wants_ids;
+}
+
+static void explain(struct stp_plan *plan)
+{
+    const char *method = stp_method_name(plan->method);
+    const char *asked = plan->params.method == STP_METHOD_AUTO ? "chosen" : "asked for";
+    char *why = plan->why;
+    size_t size = sizeof plan->why;
+    switch (plan->method) {
+    case STP_METHOD_EXACT:
+        snprintf(why, size,
+                 "%s is %s: it needs no groups, keeps every fragment of one geometry pass and "
+                 "matches the reference; %s.",
+                 method, asked,
+                 plan->payload == STP_PAYLOAD_PACKED
+                     ? plan->constant[PLAN_KEY_IDS] ? "slots are packed, with ids beside for what "
+                                                      "they cannot hold"
+                                                    : "slots are packed into 8 bytes"
+                     : "slots carry ids, since the depth range over epsilon exceeds packed depth "
+                       "or ids were asked for");
+        break;
+    case STP_METHOD_DEFERRED:
+        snprintf(why, size,
+                 "%s is %s: %u groups at overlap %.3g, one geometry pass by %s, %s keys, Voronoi "
+                 "%s.",
+                 method, asked, plan->facts.grouping.groups, plan->facts.grouping.overlap,
+                 stp_path_name(plan->path),
+                 plan->payload == STP_PAYLOAD_PACKED ? "packed" : "id",
+                 plan->voronoi == STP_VORONOI_OFF    ? "off"
+                 : plan->voronoi == STP_VORONOI_SLAB ? "slab"
+                                                     : "exact");
+        break;
+    case STP_METHOD_TWO_PASS:
+        snprintf(why, size, "%s is %s: two geometry passes by %s, the classical baseline.", method,
+                 asked, stp_path_name(plan->path));
+        break;
+    default:
+        snprintf(why, size, "%s is %s: float64 on the CPU, no device.", method, asked);
+    }
+}
+
+enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
+{
+    plan->method = resolve_method(&plan->params);
+    if (plan->method == STP_METHOD_REFERENCE) {
+        explain(plan);
+        return STP_OK;
+    }
+    if (plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the deferred method needs stp_scene_group before its plan");
+    enum stp_result result = choose_path(env, plan);
+    if (result == STP_OK)
+        result = choose_voronoi(env, plan);
+    if (result != STP_OK)
+        return result;
+    choose_payload(plan, (double)16777216.0 * ldexp(1, -(int)plan->frame.depth_bits));
+    uint32_t *c = plan->constant;
+    c[PLAN_GROUPS] = plan->method == STP_METHOD_DEFERRED ? plan->facts.grouping.groups : 1;
+    c[PLAN_VORONOI] = plan->voronoi == STP_VORONOI_SLAB ? 1 : plan->voronoi == STP_VORONOI_EXACT ? 2 : 0;
+    c[PLAN_ATOMIC64] = (plan->limits.features & STP_FEATURE_INT64_ATOMICS) != 0;
+    /* Measured: on a CPU device a pass a layer beats one layered pass (docs/results/speed.md). */
+    c[PLAN_LAYERED] = plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED &&
+                      (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 &&
+                      plan->limits.processor == 2 &&
+                      plan->facts.grouping.groups <= plan->limits.max_image_layers;
+    explain(plan);
+    return STP_OK;
+}

@@ -1,0 +1,40 @@
+/* Every fragment in one geometry pass, resolved exactly. A pixel with more fragments than slots is
+ * summed again by the two-pass code, over the very memory of its slots; those passes are
+ * dispatched indirectly and cost nothing when no pixel overflowed. */
+#include "plan/plan.h"
+
+static void repair(struct stp_plan *plan)
+{
+    bool atomic64 = plan->constant[PLAN_ATOMIC64] != 0;
+    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_COUNTS, PLAN_SLOTS };
+    if (atomic64) {
+        plan_splat(plan, "repair depth", PLAN_SHADER_TWOPASS_DEPTH, PLAN_SHADER_TWOPASS_DEPTH_LARGE,
+                   true, touched);
+    } else {
+        plan_splat(plan, "repair depth", PLAN_SHADER_TWOPASS_DEPTH32,
+                   PLAN_SHADER_TWOPASS_DEPTH32_LARGE, true, touched);
+        plan_splat(plan, "repair id", PLAN_SHADER_TWOPASS_ID32, PLAN_SHADER_TWOPASS_ID32_LARGE,
+                   true, touched);
+    }
+    plan_splat(plan, "repair sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
+               atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE, true,
+               touched);
+    plan_resolve(plan, "repair resolve", PLAN_SHADER_TWOPASS_RESOLVE, true, touched);
+    plan->pass[plan->pass_count - 1].offset = STP_WORK_REPAIR_BLOCKS * 4;
+}
+
+void plan_exact(struct stp_plan *plan)
+{
+    uint64_t pixels = plan_pixels(plan);
+    plan_resource(plan, "slots", PLAN_KEYS, PLAN_TRANSIENT, pixels * STP_SLOTS * 8);
+    plan_resource(plan, "counts", PLAN_COUNTS, PLAN_TRANSIENT, pixels * 4);
+    if (plan->constant[PLAN_KEY_IDS])
+        plan_resource(plan, "slot ids", PLAN_SLOT_IDS, PLAN_TRANSIENT, pixels * STP_SLOTS * 4);
+    plan_fill(plan, PLAN_COUNTS, 0, "clear counts");
+    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_SLOT_IDS, PLAN_COUNTS, PLAN_SLOTS };
+    plan_splat(plan, "slots", PLAN_SHADER_EXACT_SLOTS, PLAN_SHADER_EXACT_SLOTS_LARGE, false,
+               touched);
+    plan_blocks(plan);
+    plan_resolve(plan, "resolve", PLAN_SHADER_EXACT_RESOLVE, false, touched);
+    repair(plan);
+}

@@ -1,0 +1,151 @@
+/* The view and the facts, composed in double, to what shaders read in float. */
+#include "plan/plan.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/vec.h"
+#include "scene/scene.h"
+
+static void transform(struct stp_plan *plan)
+{
+    struct stp_frame_constants *f = &plan->frame;
+    const struct stp_camera *camera = &plan->camera;
+    const double *m = camera->world_to_camera;
+    struct vec3 t = m4_point(m, v3_load(plan->facts.origin));
+    for (int i = 0; i < 3; i++) {
+        f->rotation[i] = (float)m[i];
+        f->rotation[3 + i] = (float)-m[4 + i];
+        f->rotation[6 + i] = (float)-m[8 + i];
+    }
+    f->translation[0] = (float)t.x;
+    f->translation[1] = (float)-t.y;
+    f->translation[2] = (float)-t.z;
+    f->focal[0] = (float)camera->fx;
+    f->focal[1] = (float)camera->fy;
+    f->inv_focal[0] = (float)(1 / camera->fx);
+    f->inv_focal[1] = (float)(1 / camera->fy);
+    f->center[0] = (float)camera->cx;
+    f->center[1] = (float)camera->cy;
+    f->near_depth = (float)camera->near_depth;
+    f->far_depth = (float)camera->far_depth;
+    f->width = camera->width;
+    f->height = camera->height;
+}
+
+/* Eye depths of the scene's bounds within near and far: the d_min and d_max of ZP Eq. 6. */
+static void depth_range(const struct stp_plan *plan, double *low, double *high)
+{
+    const double *b = plan->facts.bounds;
+    *low = INFINITY;
+    *high = -INFINITY;
+    for (int i = 0; i < 8; i++) {
+        struct vec3 corner = v3(b[i & 1 ? 3 : 0], b[i & 2 ? 4 : 1], b[i & 4 ? 5 : 2]);
+        double depth = -m4_point(plan->camera.world_to_camera, corner).z;
+        *low = fmin(*low, depth);
+        *high = fmax(*high, depth);
+    }
+    *low = fmax(*low - plan->facts.radius_max, plan->camera.near_depth);
+    *high = fmin(*high + plan->facts.radius_max, plan->camera.far_depth);
+    if (!(*high > *low))
+        *high = *low + plan->frame.epsilon;
+}
+
+/* Depth in 24 bits, with epsilon exactly 2^m steps: epsilon tests and slabs are integer. */
+static void quantisation(struct stp_plan *plan)
+{
+    struct stp_frame_constants *f = &plan->frame;
+    double low, high, epsilon = f->epsilon;
+    depth_range(plan, &low, &high);
+    low -= 0.25 * epsilon; /* rounding never reaches below step 0 */
+    double bits = floor(24 - log2((high - low) / epsilon + 2));
+    f->depth_bits = bits > 16 ? 16 : bits < 1 ? 1 : (uint32_t)bits;
+    double scale = ldexp(1, (int)f->depth_bits) / epsilon;
+    f->depth_low = (float)low;
+    f->depth_scale = (float)scale;
+    f->depth_step = (float)(1 / scale);
+    f->slab_scale = (float)(1 / epsilon);
+    f->raster_near = (float)(plan->camera.orthographic ? high + epsilon : low);
+    f->raster_scale = (float)(1 / (high - low + 2 * epsilon));
+    struct vec3 size = v3_sub(v3_load(plan->facts.bounds + 3), v3_load(plan->facts.bounds));
+    double diagonal = v3_length(size) + 2 * plan->facts.radius_median;
+    f->eye_dome_scale = (float)(16 / diagonal);
+}
+
+static void light(const struct stp_plan *plan, const struct stp_light *in, struct stp_light_gpu *out)
+{
+    const double *m = plan->camera.world_to_camera;
+    struct vec3 p = in->at_eye       ? v3(0, 0, in->positional ? 0 : 1)
+                    : in->positional ? m4_point(m, v3_load(in->position))
+                                     : v3_unit(m4_direction(m, v3_load(in->direction)));
+    out->position[0] = (float)p.x;
+    out->position[1] = (float)-p.y;
+    out->position[2] = (float)-p.z;
+    out->positional = in->positional;
+    memcpy(out->color, in->color, sizeof out->color);
+}
+
+static bool is_head_light(const struct stp_light *light)
+{
+    return light->at_eye && !light->positional && light->color[0] == 1 && light->color[1] == 1 &&
+           light->color[2] == 1;
+}
+
+/* The shininess as a count of squarings when all objects share a power of two; else 32. */
+static uint32_t squarings(const struct stp_scene *scene)
+{
+    int exponent;
+    float shininess = scene->objects[0].material.shininess;
+    for (unsigned i = 1; i < scene->object_count; i++)
+        if (scene->objects[i].material.shininess != shininess)
+            return 32;
+    return frexpf(shininess, &exponent) == 0.5f && exponent >= 1 && exponent <= 17
+               ? (uint32_t)exponent - 1
+               : 32;
+}
+
+static void constants(struct stp_plan *plan, const struct stp_scene *scene)
+{
+    uint32_t *c = plan->constant;
+    const struct stp_render_params *p = &plan->params;
+    c[PLAN_GAUSS] = p->kernel == STP_KERNEL_GAUSS;
+    c[PLAN_TWO_SIDED] = plan->facts.two_sided;
+    c[PLAN_CULL_BACK] = p->cull == STP_CULL_BACK;
+    c[PLAN_FLOOR] = plan->frame.floor_size > 0;
+    c[PLAN_ORTHOGRAPHIC] = plan->camera.orthographic;
+    c[PLAN_HAS_COLOR] = plan->facts.has_color;
+    c[PLAN_HAS_OBJECTS] = plan->facts.objects > 1;
+    c[PLAN_HAS_UNKNOWN] = plan->facts.no_normal > 0;
+    c[PLAN_HEAD_LIGHT] = scene->light_count == 1 && is_head_light(&scene->lights[0]);
+    c[PLAN_LOCAL_VIEWER] = p->local_viewer;
+    c[PLAN_BACKGROUND] = p->background != NULL;
+    c[PLAN_AOVS] = ((p->aovs & (STP_AOV_ALBEDO | STP_AOV_WEIGHT)) != 0 ? 1u : 0u) |
+                   ((p->aovs & (STP_AOV_ID | STP_AOV_FRAGMENTS)) != 0 ? 2u : 0u);
+    c[PLAN_SQUARINGS] = squarings(scene);
+}
+
+void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
+{
+    struct stp_frame_constants *f = &plan->frame;
+    const struct stp_render_params *p = &plan->params;
+    *f = (struct stp_frame_constants){ 0 };
+    transform(plan);
+    f->epsilon = (float)(p->epsilon > 0 ? p->epsilon : scene->objects[0].epsilon);
+    f->floor_size = p->min_splat < 0 ? 0 : p->min_splat > 0 ? (float)p->min_splat : 1.5f;
+    f->splat_count = (uint32_t)plan->facts.splats;
+    f->sum_scale = ldexpf(1, 40);
+    int exponent = 0;
+    frexp(fmax(plan->facts.color_max, 1), &exponent);
+    f->color_scale = ldexpf(1, 40 - exponent);
+    f->light_count = scene->light_count;
+    for (unsigned i = 0; i < scene->light_count; i++)
+        light(plan, &scene->lights[i], &f->lights[i]);
+    if (p->background) {
+        float alpha = p->background[3];
+        for (int i = 0; i < 3; i++)
+            f->background[i] = p->background[i] * alpha;
+        f->background[3] = alpha;
+    }
+    quantisation(plan);
+    constants(plan, scene);
+}

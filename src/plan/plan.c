@@ -1,0 +1,116 @@
+#include "plan/plan.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "scene/scene.h"
+
+static enum stp_result check(const struct stp_env *env, const struct stp_scene *scene,
+                             const struct stp_camera *camera)
+{
+    if (!scene->prepared || scene->splats.count == 0)
+        return log_error(env, STP_ERROR_ARGUMENT, "a plan needs a prepared scene with splats");
+    if (camera->width == 0 || camera->height == 0 || camera->width > 65536 ||
+        camera->height > 65536)
+        return log_error(env, STP_ERROR_ARGUMENT, "%u x %u is no size that can be rendered",
+                         camera->width, camera->height);
+    if (!(camera->fx > 0) || !(camera->fy > 0) || !(camera->near_depth < camera->far_depth) ||
+        (!camera->orthographic && !(camera->near_depth > 0)))
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the camera needs positive focal lengths and 0 < near < far");
+    if (scene->splats.count > UINT32_MAX - 64)
+        return log_error(env, STP_ERROR_ARGUMENT, "%zu splats are more than 32 bits can count",
+                         scene->splats.count);
+    return STP_OK;
+}
+
+/* Where each group begins when splats are taken group by group. */
+static void group_ranges(struct stp_plan *plan, const struct stp_scene *scene)
+{
+    uint32_t counts[STP_MAX_GROUPS] = { 0 };
+    for (size_t i = 0; i < scene->splats.count; i++)
+        counts[scene->splats.group[i]]++;
+    for (unsigned k = 0; k < STP_MAX_GROUPS; k++)
+        plan->group_first[k + 1] = plan->group_first[k] + counts[k];
+}
+
+static enum stp_result fill(const struct stp_env *env, struct stp_plan *plan,
+                            const struct stp_scene *scene)
+{
+    plan_frame_constants(plan, scene);
+    enum stp_result result = plan_choose(env, plan);
+    if (result != STP_OK || plan->method == STP_METHOD_REFERENCE)
+        return result;
+    if (plan->params.samples > 1)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "more than one sample a pixel is for the reference method so far");
+    if (plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED)
+        group_ranges(plan, scene);
+    return plan_tiles(env, plan);
+}
+
+enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scene *scene,
+                                const struct stp_camera *camera,
+                                const struct stp_render_params *params,
+                                const struct stp_limits *limits, struct stp_plan **plan)
+{
+    enum stp_result result = check(env, scene, camera);
+    if (result != STP_OK)
+        return result;
+    struct stp_plan *made = mem_zalloc(1, sizeof *made);
+    if (!made)
+        return log_no_memory(env, sizeof *made, "the plan");
+    made->params = *params;
+    made->camera = *camera;
+    made->facts = scene->facts;
+    made->limits = *limits;
+    made->limits.features &= ~params->mask_features;
+    if (params->background) {
+        for (int i = 0; i < 4; i++)
+            made->background[i] = params->background[i];
+        made->params.background = made->background;
+    }
+    result = fill(env, made, scene);
+    if (result != STP_OK)
+        stp_plan_destroy(&made);
+    else
+        *plan = made;
+    return result;
+}
+
+void stp_plan_destroy(struct stp_plan **plan)
+{
+    if (!plan || !*plan)
+        return;
+    mem_free((*plan)->tile);
+    mem_free(*plan);
+    *plan = NULL;
+}
+
+void stp_plan_summarize(const struct stp_plan *plan, struct stp_plan_summary *summary)
+{
+    *summary = (struct stp_plan_summary){
+        .method = plan->method,
+        .path = plan->path,
+        .payload = plan->payload,
+        .voronoi = plan->voronoi,
+        .why = plan->why,
+        .scene_bytes = plan_bytes(plan, PLAN_SCENE),
+        .transient_bytes = plan_bytes(plan, PLAN_TRANSIENT),
+        .output_bytes = plan_bytes(plan, PLAN_OUTPUT),
+        .tiles = plan->tile_count,
+        .passes = plan->pass_count,
+        .resources = plan->resource_count,
+    };
+}
+
+const char *stp_method_name(enum stp_method method)
+{
+    static const char *const names[] = { "auto", "deferred", "two-pass", "exact", "reference" };
+    return names[method];
+}
+
+const char *stp_path_name(enum stp_path path)
+{
+    static const char *const names[] = { "auto", "raster", "compute" };
+    return names[path];
+}

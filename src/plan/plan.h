@@ -1,0 +1,223 @@
+/* The plan: images, buffers and passes of one picture, as plain data. Methods append their steps;
+ * recording only translates them. Nothing here knows Vulkan. */
+#ifndef STP_PLAN_PLAN_H
+#define STP_PLAN_PLAN_H
+
+#include <stipple/plan.h>
+
+#include "shared/frame.h"
+
+#define PLAN_MAX_RESOURCES 32
+#define PLAN_MAX_PASSES    48
+#define PLAN_MAX_ACCESSES  12
+#define PLAN_MAX_TILES     4096
+#define PLAN_NONE          255
+
+/* Specialisation constants; the order of glsl/lib/common.glsl. */
+enum plan_constant {
+    PLAN_GROUPS,
+    PLAN_VORONOI,
+    PLAN_PACKED,
+    PLAN_GAUSS,
+    PLAN_TWO_SIDED,
+    PLAN_CULL_BACK,
+    PLAN_FLOOR,
+    PLAN_ORTHOGRAPHIC,
+    PLAN_HAS_COLOR,
+    PLAN_HAS_OBJECTS,
+    PLAN_HAS_UNKNOWN,
+    PLAN_HEAD_LIGHT,
+    PLAN_LOCAL_VIEWER,
+    PLAN_BACKGROUND,
+    PLAN_AOVS,
+    PLAN_SQUARINGS,
+    PLAN_REPAIR,
+    PLAN_KEY_IDS,
+    PLAN_ATOMIC64,
+    PLAN_LAYERED,
+    PLAN_CONSTANTS
+};
+
+/* What a buffer or image is for: a resource's address goes into the frame block by this. */
+enum plan_slot {
+    PLAN_SPLATS,
+    PLAN_COLORS,
+    PLAN_MATERIALS,
+    PLAN_ORDER,
+    PLAN_WORK,
+    PLAN_LARGE,
+    PLAN_KEYS,
+    PLAN_SLOT_IDS,
+    PLAN_COUNTS,
+    PLAN_NEAREST,
+    PLAN_SUMS,
+    PLAN_OUT_COLOR,
+    PLAN_OUT_NORMAL,
+    PLAN_OUT_DEPTH,
+    PLAN_OUT_ALBEDO,
+    PLAN_OUT_ID,
+    PLAN_BUFFER_SLOTS, /* the frame block's addresses, in order, end here */
+    PLAN_IMAGE_ID = PLAN_BUFFER_SLOTS,
+    PLAN_IMAGE_DEPTH,
+    PLAN_IMAGE_SUM,
+    PLAN_IMAGE_SUM_DEPTH,
+    PLAN_IMAGE_SUM_COLOR,
+    PLAN_SLOTS
+};
+
+enum plan_lifetime { PLAN_SCENE, PLAN_TRANSIENT, PLAN_OUTPUT };
+
+enum plan_format { PLAN_BUFFER, PLAN_R32UI, PLAN_RG32UI, PLAN_RG32F, PLAN_RGBA32F, PLAN_D32F };
+
+struct plan_resource {
+    char name[24];
+    enum plan_slot slot;
+    enum plan_lifetime lifetime;
+    enum plan_format format;
+    uint32_t width, height, layers; /* images */
+    uint64_t bytes;
+};
+
+/* Names a shader module: glsl/passes, and its variants. */
+enum plan_shader {
+    PLAN_SHADER_NONE,
+    PLAN_SHADER_BLOCKS,
+    PLAN_SHADER_DEFERRED_KEYS,
+    PLAN_SHADER_DEFERRED_KEYS_LARGE,
+    PLAN_SHADER_DEFERRED_NEAREST,
+    PLAN_SHADER_DEFERRED_NEAREST_LARGE,
+    PLAN_SHADER_DEFERRED_COMPOSITE,
+    PLAN_SHADER_DEFERRED_COMPOSITE_IMAGE,
+    PLAN_SHADER_EXACT_SLOTS,
+    PLAN_SHADER_EXACT_SLOTS_LARGE,
+    PLAN_SHADER_EXACT_RESOLVE,
+    PLAN_SHADER_TWOPASS_CLEAR,
+    PLAN_SHADER_TWOPASS_DEPTH,
+    PLAN_SHADER_TWOPASS_DEPTH_LARGE,
+    PLAN_SHADER_TWOPASS_DEPTH32,
+    PLAN_SHADER_TWOPASS_DEPTH32_LARGE,
+    PLAN_SHADER_TWOPASS_ID32,
+    PLAN_SHADER_TWOPASS_ID32_LARGE,
+    PLAN_SHADER_TWOPASS_SUM,
+    PLAN_SHADER_TWOPASS_SUM_LARGE,
+    PLAN_SHADER_TWOPASS_SUM32,
+    PLAN_SHADER_TWOPASS_SUM32_LARGE,
+    PLAN_SHADER_TWOPASS_RESOLVE,
+    PLAN_SHADER_TWOPASS_RESOLVE_IMAGE,
+    PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR,
+    PLAN_SHADER_EYE_DOME,
+    PLAN_SHADER_BACKGROUND,
+    PLAN_SHADER_RASTER_VERTEX,
+    PLAN_SHADER_RASTER_VERTEX_ORDERED,
+    PLAN_SHADER_RASTER_VERTEX_LAYERS,
+    PLAN_SHADER_DEFERRED_FRAGMENT,
+    PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT,
+    PLAN_SHADER_TWOPASS_SUM_FRAGMENT,
+    PLAN_SHADERS
+};
+
+enum plan_kind {
+    PLAN_FILL,     /* fill `target` with the word `value` */
+    PLAN_ARGUMENTS, /* reset the work buffer's arguments and flags */
+    PLAN_DISPATCH,
+    PLAN_DISPATCH_INDIRECT, /* three words at `offset` of the work buffer */
+    PLAN_DRAW,              /* three vertices a splat */
+};
+
+enum plan_access_kind {
+    PLAN_READ = 1,
+    PLAN_WRITE = 2,
+    PLAN_ATTACHMENT = 4, /* with WRITE: rendered to; with READ and WRITE: blended or tested */
+};
+
+struct plan_access {
+    uint8_t resource;
+    uint8_t kind; /* enum plan_access_kind, or-ed */
+};
+
+enum plan_raster {
+    PLAN_RASTER_WINNER, /* depth test and write, ids out */
+    PLAN_RASTER_BLEND,  /* additive, no depth */
+};
+
+struct plan_pass {
+    char name[40];
+    enum plan_kind kind;
+    enum plan_shader shader, vertex;
+    enum plan_raster raster;
+    uint8_t target;     /* FILL: resource */
+    uint32_t value;     /* FILL */
+    uint32_t offset;    /* DISPATCH_INDIRECT: bytes into the work buffer */
+    uint32_t groups;    /* DISPATCH: workgroups along x; 0: one a 64 blocks of the tile */
+    bool repair;        /* specialised with PLAN_REPAIR on */
+    uint32_t layer, layer_count;        /* DRAW: of the attachments */
+    uint32_t first_splat, splat_count;  /* DRAW */
+    uint8_t access_count;
+    struct plan_access access[PLAN_MAX_ACCESSES];
+};
+
+/* A region of the picture: rendered whole, and kept inside `keep` (left, top, right, bottom). */
+struct plan_tile {
+    uint32_t x, y, width, height;
+    uint32_t keep[4];
+};
+
+struct stp_plan {
+    enum stp_method method;
+    enum stp_path path;
+    enum stp_payload payload;
+    enum stp_voronoi voronoi;
+    struct stp_render_params params;
+    struct stp_camera camera;
+    struct stp_facts facts;
+    struct stp_limits limits;
+    float background[4]; /* params.background points here, or is NULL */
+    char why[512];
+    uint32_t constant[PLAN_CONSTANTS];
+    struct stp_frame_constants frame; /* of the whole picture; addresses and tile are zero */
+    uint32_t resource_count, pass_count, tile_count;
+    struct plan_resource resource[PLAN_MAX_RESOURCES];
+    struct plan_pass pass[PLAN_MAX_PASSES];
+    uint32_t tile_width, tile_height; /* the largest */
+    struct plan_tile *tile;
+    uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
+};
+
+/* plan/choose.c: method, path, payload, voronoi and why. */
+enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
+
+/* plan/steps.c: what the methods' files share. */
+uint8_t plan_resource(struct stp_plan *plan, const char *name, enum plan_slot slot,
+                      enum plan_lifetime lifetime, uint64_t bytes);
+uint8_t plan_image(struct stp_plan *plan, const char *name, enum plan_slot slot,
+                   enum plan_format format, uint32_t layers);
+struct plan_pass *plan_pass(struct stp_plan *plan, enum plan_kind kind, const char *name);
+void plan_reads(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
+void plan_writes(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
+void plan_updates(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
+void plan_attaches(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
+uint8_t plan_find(const struct stp_plan *plan, enum plan_slot slot); /* PLAN_NONE: absent */
+uint64_t plan_pixels(const struct stp_plan *plan); /* of a tile, whole blocks */
+void plan_fill(struct stp_plan *plan, enum plan_slot slot, uint32_t value, const char *name);
+/* One pass over the splats: small, then large ones; writes `slots` (ends with PLAN_SLOTS). */
+void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_shader,
+                enum plan_shader large_shader, bool repair, const enum plan_slot *updated);
+void plan_blocks(struct stp_plan *plan);
+/* A resolving pass over the touched blocks; reads `slots`, writes the outputs. */
+void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shader, bool repair,
+                  const enum plan_slot *read);
+
+/* One file a paper appends its resources and passes, for tiles of the given size. */
+void plan_deferred(struct stp_plan *plan);
+void plan_exact(struct stp_plan *plan);
+void plan_twopass(struct stp_plan *plan);
+
+/* plan/frame.c: the view, in double, to the constants that shaders read. */
+void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
+
+/* plan/tile.c: cuts the picture until a tile's transients fit; appends steps for the tile size. */
+enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
+
+uint64_t plan_bytes(const struct stp_plan *plan, enum plan_lifetime lifetime);
+
+#endif

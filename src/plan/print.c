@@ -1,0 +1,84 @@
+/* The plan in words. */
+#include "plan/plan.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+
+static const char *const format_names[] = { "buffer", "R32_UINT", "R32G32_UINT", "R32G32_SFLOAT",
+                                            "R32G32B32A32_SFLOAT", "D32_SFLOAT" };
+static const char *const lifetime_names[] = { "scene", "transient", "output" };
+
+static const char *const constant_names[PLAN_CONSTANTS] = {
+    "groups",      "voronoi", "packed",     "gauss",   "two_sided",    "cull_back", "floor",
+    "orthographic", "color",  "objects",    "unknown_normals", "head_light", "local_viewer",
+    "background",  "aovs",    "squarings",  "repair",  "slot_ids",     "atomic64",  "layered",
+};
+
+static void print_resources(FILE *out, const struct stp_plan *plan)
+{
+    for (uint32_t i = 0; i < plan->resource_count; i++) {
+        const struct plan_resource *r = &plan->resource[i];
+        fprintf(out, "  %-12s %-10s %-20s", r->name, lifetime_names[r->lifetime],
+                format_names[r->format]);
+        if (r->format != PLAN_BUFFER)
+            fprintf(out, " %u x %u x %u", r->width, r->height, r->layers);
+        fprintf(out, " %llu bytes\n", (unsigned long long)r->bytes);
+    }
+}
+
+static void print_accesses(FILE *out, const struct stp_plan *plan, const struct plan_pass *pass,
+                           unsigned kind, const char *word)
+{
+    bool first = true;
+    for (unsigned i = 0; i < pass->access_count; i++) {
+        if (!(pass->access[i].kind & kind))
+            continue;
+        fprintf(out, "%s%s", first ? word : ", ", plan->resource[pass->access[i].resource].name);
+        first = false;
+    }
+}
+
+static void print_passes(FILE *out, const struct stp_plan *plan)
+{
+    static const char *const kinds[] = { "fill", "reset", "dispatch", "dispatch*", "draw" };
+    for (uint32_t i = 0; i < plan->pass_count; i++) {
+        const struct plan_pass *pass = &plan->pass[i];
+        fprintf(out, "  %-9s %-20s", kinds[pass->kind], pass->name);
+        print_accesses(out, plan, pass, PLAN_READ, " reads ");
+        print_accesses(out, plan, pass, PLAN_WRITE, "; writes ");
+        fputc('\n', out);
+    }
+}
+
+static void print(FILE *out, const struct stp_plan *plan)
+{
+    fprintf(out, "method %s, path %s, %zu splats, %u x %u pixels\n", stp_method_name(plan->method),
+            stp_path_name(plan->path), plan->facts.splats, plan->camera.width, plan->camera.height);
+    fprintf(out, "why: %s\n", plan->why);
+    if (plan->method == STP_METHOD_REFERENCE)
+        return;
+    fprintf(out, "constants:");
+    for (int i = 0; i < PLAN_CONSTANTS; i++)
+        if (plan->constant[i])
+            fprintf(out, " %s=%u", constant_names[i], plan->constant[i]);
+    fprintf(out, "\ntiles: %u of at most %u x %u\n", plan->tile_count, plan->tile_width,
+            plan->tile_height);
+    fprintf(out, "resources: scene %llu, transient %llu, output %llu bytes\n",
+            (unsigned long long)plan_bytes(plan, PLAN_SCENE),
+            (unsigned long long)plan_bytes(plan, PLAN_TRANSIENT),
+            (unsigned long long)plan_bytes(plan, PLAN_OUTPUT));
+    print_resources(out, plan);
+    fprintf(out, "passes (a * is dispatched indirectly):\n");
+    print_passes(out, plan);
+}
+
+char *stp_plan_print(const struct stp_plan *plan)
+{
+    char *text = NULL;
+    size_t size = 0;
+    FILE *out = open_memstream(&text, &size);
+    if (!out)
+        return NULL;
+    print(out, plan);
+    return fclose(out) == 0 ? text : NULL;
+}

@@ -1,0 +1,188 @@
+/* Regions: the whole picture when its transients fit, else tiles whose pixels are the same bits. */
+#include "plan/plan.h"
+
+#include <math.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+
+/* A workgroup of STP_LARGE_GROUP threads may have to walk a whole tile, and lavapipe stops an
+ * invocation after 65535 turns: 2^22 pixels are half of that. */
+#define MOST_PIXELS ((uint64_t)1 << 22)
+
+uint64_t plan_bytes(const struct stp_plan *plan, enum plan_lifetime lifetime)
+{
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < plan->resource_count; i++)
+        if (plan->resource[i].lifetime == lifetime)
+            bytes += plan->resource[i].bytes;
+    return bytes;
+}
+
+static uint32_t margin(const struct stp_plan *plan)
+{
+    uint32_t reach = plan->camera.height / 512;
+    return plan->facts.eye_dome ? (reach > 1 ? reach : 1) : 0;
+}
+
+static void outputs(struct stp_plan *plan)
+{
+    uint64_t pixels = (uint64_t)plan->tile_width * plan->tile_height;
+    plan_resource(plan, "color", PLAN_OUT_COLOR, PLAN_OUTPUT, pixels * 16);
+    plan_resource(plan, "normal", PLAN_OUT_NORMAL, PLAN_OUTPUT, pixels * 12);
+    plan_resource(plan, "depth", PLAN_OUT_DEPTH, PLAN_OUTPUT, pixels * 4);
+    if (plan->constant[PLAN_AOVS] & 1)
+        plan_resource(plan, "albedo", PLAN_OUT_ALBEDO, PLAN_OUTPUT, pixels * 16);
+    if (plan->constant[PLAN_AOVS] & 2)
+        plan_resource(plan, "id", PLAN_OUT_ID, PLAN_OUTPUT, pixels * 8);
+}
+
+static void scene_resources(struct stp_plan *plan)
+{
+    uint64_t n = plan->facts.splats;
+    plan_resource(plan, "splats", PLAN_SPLATS, PLAN_SCENE, n * 32);
+    if (plan->facts.has_color)
+        plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
+    plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
+                  plan->facts.objects * sizeof(struct stp_material_gpu));
+}
+
+/* Blocks that nothing touches are never resolved: they keep what these fills leave. */
+static void clear_outputs(struct stp_plan *plan)
+{
+    plan_fill(plan, PLAN_OUT_COLOR, 0, "clear color");
+    plan_fill(plan, PLAN_OUT_NORMAL, 0, "clear normal");
+    plan_fill(plan, PLAN_OUT_DEPTH, 0x7f800000u, "clear depth");
+    plan_fill(plan, PLAN_OUT_ALBEDO, 0, "clear albedo");
+    plan_fill(plan, PLAN_OUT_ID, STP_NO_ID, "clear id");
+}
+
+static void compute_resources(struct stp_plan *plan)
+{
+    uint64_t blocks = plan_pixels(plan) / STP_GROUP;
+    plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + 2 * blocks) * 4);
+    plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, (uint64_t)plan->facts.splats * 4);
+    struct plan_pass *pass = plan_pass(plan, PLAN_ARGUMENTS, "reset arguments");
+    plan_writes(plan, pass, PLAN_WORK);
+    clear_outputs(plan);
+}
+
+static void eye_dome(struct stp_plan *plan)
+{
+    if (!plan->facts.eye_dome)
+        return;
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "eye dome");
+    pass->shader = PLAN_SHADER_EYE_DOME;
+    plan_reads(plan, pass, PLAN_OUT_DEPTH);
+    plan_updates(plan, pass, PLAN_OUT_COLOR);
+}
+
+/* A background must also stand where no block was touched. */
+static void background(struct stp_plan *plan)
+{
+    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE)
+        return;
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
+    pass->shader = PLAN_SHADER_BACKGROUND;
+    plan_reads(plan, pass, PLAN_OUT_DEPTH);
+    plan_writes(plan, pass, PLAN_OUT_COLOR);
+}
+
+static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
+{
+    plan->tile_width = width;
+    plan->tile_height = height;
+    plan->resource_count = plan->pass_count = 0;
+    scene_resources(plan);
+    outputs(plan);
+    if (plan->path == STP_PATH_COMPUTE)
+        compute_resources(plan);
+    if (plan->method == STP_METHOD_DEFERRED)
+        plan_deferred(plan);
+    else if (plan->method == STP_METHOD_EXACT)
+        plan_exact(plan);
+    else
+        plan_twopass(plan);
+    background(plan);
+    eye_dome(plan);
+}
+
+static uint64_t largest(const struct stp_plan *plan)
+{
+    uint64_t most = 0;
+    for (uint32_t i = 0; i < plan->resource_count; i++)
+        if (plan->resource[i].bytes > most)
+            most = plan->resource[i].bytes;
+    return most;
+}
+
+static bool fits(const struct stp_plan *plan, uint64_t limit)
+{
+    uint64_t used = plan_bytes(plan, PLAN_TRANSIENT) + plan_bytes(plan, PLAN_OUTPUT);
+    return used <= limit && largest(plan) <= plan->limits.max_allocation &&
+           (uint64_t)plan->tile_width * plan->tile_height <= MOST_PIXELS &&
+           plan->tile_width <= plan->limits.max_image_size &&
+           plan->tile_height <= plan->limits.max_image_size;
+}
+
+static uint32_t cut(uint32_t length, uint32_t parts, uint32_t border)
+{
+    uint32_t part = (length + parts - 1) / parts;
+    part = (part + STP_BLOCK - 1) / STP_BLOCK * STP_BLOCK + 2 * border;
+    return part < length ? part : length;
+}
+
+static enum stp_result lay_out(const struct stp_env *env, struct stp_plan *plan, uint32_t columns,
+                               uint32_t rows)
+{
+    uint32_t b = margin(plan), w = plan->camera.width, h = plan->camera.height;
+    uint32_t step_x = columns == 1 ? w : plan->tile_width - 2 * b;
+    uint32_t step_y = rows == 1 ? h : plan->tile_height - 2 * b;
+    columns = (w + step_x - 1) / step_x;
+    rows = (h + step_y - 1) / step_y;
+    plan->tile = mem_zalloc((size_t)columns * rows, sizeof *plan->tile);
+    if (!plan->tile)
+        return log_no_memory(env, (size_t)columns * rows * sizeof *plan->tile, "tiles");
+    plan->tile_count = columns * rows;
+    for (uint32_t i = 0; i < plan->tile_count; i++) {
+        struct plan_tile *t = &plan->tile[i];
+        uint32_t left = i % columns * step_x, top = i / columns * step_y;
+        uint32_t right = left + step_x < w ? left + step_x : w;
+        uint32_t bottom = top + step_y < h ? top + step_y : h;
+        t->x = left > b ? left - b : 0;
+        t->y = top > b ? top - b : 0;
+        t->width = (right + b < w ? right + b : w) - t->x;
+        t->height = (bottom + b < h ? bottom + b : h) - t->y;
+        t->keep[0] = left;
+        t->keep[1] = top;
+        t->keep[2] = right;
+        t->keep[3] = bottom;
+    }
+    return STP_OK;
+}
+
+enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
+{
+    uint32_t w = plan->camera.width, h = plan->camera.height, columns = 1, rows = 1;
+    steps(plan, w, h);
+    uint64_t scene = plan_bytes(plan, PLAN_SCENE), heap = plan->limits.heap_bytes / 8 * 7;
+    uint64_t limit = heap > scene ? heap - scene : 0;
+    if (plan->params.memory_limit && plan->params.memory_limit < limit)
+        limit = plan->params.memory_limit;
+    while (!fits(plan, limit)) {
+        uint32_t least = STP_BLOCK + 2 * margin(plan);
+        if (plan->tile_width <= least && plan->tile_height <= least)
+            return log_error(env, STP_ERROR_DEVICE_MEMORY,
+                             "the device has %llu bytes; the scene takes %llu, and not even a tile "
+                             "of %u pixels fits beside it",
+                             (unsigned long long)plan->limits.heap_bytes,
+                             (unsigned long long)scene, least);
+        if (plan->tile_width >= plan->tile_height)
+            columns *= 2;
+        else
+            rows *= 2;
+        steps(plan, cut(w, columns, columns > 1 ? margin(plan) : 0),
+              cut(h, rows, rows > 1 ? margin(plan) : 0));
+    }
+    return lay_out(env, plan, columns, rows);
+}

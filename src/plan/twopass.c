@@ -1,0 +1,79 @@
+/* The classical 2+1 pass (ZP 3.1, BSK 4): nearest depth, sums within epsilon of it, normalise. */
+#include "plan/plan.h"
+
+static void compute(struct stp_plan *plan)
+{
+    bool atomic64 = plan->constant[PLAN_ATOMIC64] != 0;
+    const enum plan_slot sums[] = { PLAN_SUMS, PLAN_SLOTS };
+    plan_resource(plan, "sums", PLAN_SUMS, PLAN_TRANSIENT, plan_pixels(plan) * STP_SUM_WORDS * 8);
+    struct plan_pass *clear = plan_pass(plan, PLAN_DISPATCH, "clear sums");
+    clear->shader = PLAN_SHADER_TWOPASS_CLEAR;
+    plan_writes(plan, clear, PLAN_SUMS);
+    if (atomic64) {
+        plan_splat(plan, "depth", PLAN_SHADER_TWOPASS_DEPTH, PLAN_SHADER_TWOPASS_DEPTH_LARGE, false,
+                   sums);
+    } else {
+        plan_splat(plan, "depth", PLAN_SHADER_TWOPASS_DEPTH32, PLAN_SHADER_TWOPASS_DEPTH32_LARGE,
+                   false, sums);
+        plan_splat(plan, "nearest id", PLAN_SHADER_TWOPASS_ID32, PLAN_SHADER_TWOPASS_ID32_LARGE,
+                   false, sums);
+    }
+    plan_splat(plan, "sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
+               atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE, false,
+               sums);
+    plan_blocks(plan);
+    plan_resolve(plan, "resolve", PLAN_SHADER_TWOPASS_RESOLVE, false, sums);
+}
+
+static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan_shader fragment,
+                              enum plan_raster raster)
+{
+    struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
+    pass->vertex = PLAN_SHADER_RASTER_VERTEX;
+    pass->shader = fragment;
+    pass->raster = raster;
+    pass->layer_count = 1;
+    pass->splat_count = (uint32_t)plan->facts.splats;
+    plan_reads(plan, pass, PLAN_SPLATS);
+    plan_reads(plan, pass, PLAN_COLORS);
+    plan_reads(plan, pass, PLAN_MATERIALS);
+    return pass;
+}
+
+static void raster(struct stp_plan *plan)
+{
+    plan_image(plan, "nearest", PLAN_IMAGE_ID, PLAN_RG32UI, 1);
+    plan_image(plan, "depth", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
+    plan_image(plan, "sum", PLAN_IMAGE_SUM, PLAN_RGBA32F, 1);
+    plan_image(plan, "depth sum", PLAN_IMAGE_SUM_DEPTH, PLAN_RG32F, 1);
+    if (plan->constant[PLAN_HAS_COLOR])
+        plan_image(plan, "color sum", PLAN_IMAGE_SUM_COLOR, PLAN_RGBA32F, 1);
+    struct plan_pass *pass =
+        draw(plan, "visibility", PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT, PLAN_RASTER_WINNER);
+    plan_attaches(plan, pass, PLAN_IMAGE_ID);
+    plan_attaches(plan, pass, PLAN_IMAGE_DEPTH);
+    pass = draw(plan, "blend", PLAN_SHADER_TWOPASS_SUM_FRAGMENT, PLAN_RASTER_BLEND);
+    plan_reads(plan, pass, PLAN_IMAGE_ID);
+    plan_attaches(plan, pass, PLAN_IMAGE_SUM);
+    plan_attaches(plan, pass, PLAN_IMAGE_SUM_DEPTH);
+    plan_attaches(plan, pass, PLAN_IMAGE_SUM_COLOR);
+    pass = plan_pass(plan, PLAN_DISPATCH, "normalise");
+    pass->shader = plan->constant[PLAN_HAS_COLOR] ? PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR
+                                                  : PLAN_SHADER_TWOPASS_RESOLVE_IMAGE;
+    plan_reads(plan, pass, PLAN_SPLATS);
+    plan_reads(plan, pass, PLAN_COLORS);
+    plan_reads(plan, pass, PLAN_MATERIALS);
+    for (enum plan_slot slot = PLAN_IMAGE_ID; slot <= PLAN_IMAGE_SUM_COLOR; slot++)
+        if (slot != PLAN_IMAGE_DEPTH)
+            plan_reads(plan, pass, slot);
+    for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
+        plan_writes(plan, pass, slot);
+}
+
+void plan_twopass(struct stp_plan *plan)
+{
+    if (plan->path == STP_PATH_COMPUTE)
+        compute(plan);
+    else
+        raster(plan);
+}
