@@ -48,6 +48,8 @@ enum stp_feature {
     STP_FEATURE_FLOAT32_BLEND = 4,  /* blending into R32G32B32A32_SFLOAT */
     STP_FEATURE_INT64 = 8,          /* shaderInt64 */
 };
+/* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
+STP_API const char *stp_feature_name(enum stp_feature feature);
 
 struct stp_render_params {
     enum stp_method method;

@@ -1,0 +1,16 @@
+#include <stipple/plan.h>
+
+const char *stp_feature_name(enum stp_feature feature)
+{
+    switch (feature) {
+    case STP_FEATURE_INT64_ATOMICS:
+        return "int64-atomics";
+    case STP_FEATURE_VERTEX_LAYER:
+        return "vertex-layer";
+    case STP_FEATURE_FLOAT32_BLEND:
+        return "float32-blend";
+    case STP_FEATURE_INT64:
+        return "int64";
+    }
+    return NULL;
+}

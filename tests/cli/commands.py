@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""info, plan, prepare, compare and devices on good input, and --help and --version of all."""
+import json
+
+import command
+
+COMMANDS = ["info", "render", "plan", "prepare", "compare", "devices"]
+REFERENCE = ["--method", "reference", "--size", "64x64"]
+
+
+class Commands(command.CommandTest):
+    def test_help(self):
+        overview = self.done("--help")
+        for name in COMMANDS:
+            self.assertIn("\n  %-9s " % name, overview)
+            text = self.done(name, "--help")
+            self.assertEqual(text, self.done("help", name))
+            self.assertTrue(text.startswith(f"usage: stipple {name} "))
+            for line in text.split("\nExamples:")[0].splitlines():
+                self.assertLessEqual(len(line), 80, line)
+
+    def test_version(self):
+        version = self.done("--version")
+        self.assertRegex(version, r"^stipple \d+\.\d+\.\d+\n$")
+        self.assertEqual(version, self.done("-v"))
+        self.assertEqual(version, self.done("render", "--version"))
+
+    def test_info(self):
+        text = self.done("info", "ball.ply")
+        for word in ["ball.ply", "PLY binary little-endian", "2000", "given", "nothing",
+                     "stipple render ball.ply -o ball.exr"]:
+            self.assertIn(word, text)
+
+    def test_info_json(self):
+        points = command.sphere(500) + [(float("nan"), 0, 0)]
+        self.write("odd name.ply", command.ply(points))
+        ball, odd = self.done_json("info", "--json", "ball.ply", "odd name.ply")
+        self.assertEqual((ball["points"], ball["splats"], ball["wrong"]), (2000, 2000, []))
+        self.assertEqual((odd["points"], odd["splats"], odd["not_finite"]), (501, 500, 1))
+        self.assertEqual(len(odd["wrong"]), 1)
+        self.assertIn('"odd name.ply"', odd["would"]["command"])
+        for low, high in zip(ball["bounds"][:3], ball["bounds"][3:]):
+            self.assertAlmostEqual(low, -1, 2)
+            self.assertAlmostEqual(high, 1, 2)
+
+    def test_plan(self):
+        self.assertEqual(self.done("plan", "ball.ply"), self.done("plan", "ball.ply"))
+        for method in ["deferred", "two-pass", "exact"]:
+            self.assertIn(method, self.done("plan", "ball.ply", "--method", method))
+
+    def test_plan_takes_a_device_profile(self):
+        self.write("limits.json", self.done("devices", "--json"))
+        profile = json.loads(self.read("limits.json"))
+        self.assertEqual(list(profile)[:9],
+                         ["device", "driver", "features", "heap_bytes", "max_allocation",
+                          "max_image_size", "max_image_layers", "max_workgroups", "processor"])
+        whole = self.done("plan", "ball.ply", "--limits", "limits.json")
+        profile["features"] = []
+        self.write("limits.json", json.dumps(profile))
+        self.assertNotEqual(self.done("plan", "ball.ply", "--limits", "limits.json"), whole)
+
+    def test_devices(self):
+        text = self.done("devices")
+        for word in ["driver", "memory", "has", "lacks"]:
+            self.assertIn("\n  " + word, text)
+
+    def test_prepare(self):
+        self.done("prepare", "ball.ply", "-o", "splats.ply")
+        self.done("prepare", "splats.ply", "-o", "again.ply")
+        self.done("prepare", "again.ply", "-o", "third.ply")
+        self.assertEqual(self.read("again.ply"), self.read("third.ply"))
+        for name in ["ball", "splats"]:
+            self.done("render", name + ".ply", "-o", name + ".exr", *REFERENCE)
+        error = self.done_json("compare", "--json", "splats.exr", "ball.exr")
+        self.assertEqual(error["all"]["maximum"], 0)
+
+    def test_prepare_with_groups(self):
+        self.done("prepare", "ball.ply", "-o", "groups.ply", "--group", "--overlap", "1")
+        self.assertNotEqual(len(self.read("groups.ply")), 0)
+        self.done("prepare", "ball.ply", "-o", "plain.ply")
+        self.assertGreater(len(self.read("groups.ply")), len(self.read("plain.ply")))
+
+    def test_compare(self):
+        self.done("render", "ball.ply", "-o", "a.exr", *REFERENCE)
+        self.done("render", "ball.ply", "-o", "b.exr", *REFERENCE, "--kernel", "gauss")
+        same = self.done_json("compare", "--json", "a.exr", "a.exr")
+        self.assertIsNone(same["covered"]["psnr"])
+        self.assertEqual(same["all"]["pixels"], 64 * 64)
+        other = self.done_json("compare", "--json", "a.exr", "b.exr")
+        self.assertGreater(other["covered"]["psnr"], 20)
+        self.assertGreater(other["covered"]["rmse"], 0)
+        halved = self.done_json("compare", "--json", "--epsilon", "2", "a.exr", "b.exr")
+        self.assertAlmostEqual(halved["depth_mean"], other["depth_mean"] / 2, 12)
+        for word in ["PSNR", "RMSE", "FLIP", "normal angle", "coverage"]:
+            self.assertIn(word, self.done("compare", "a.exr", "b.exr"))
+        self.fails(1, ["PSNR", "999"], "compare", "a.exr", "b.exr", "--fail-under-psnr", "999")
+        self.done("compare", "a.exr", "a.exr", "--fail-under-psnr", "999")
+
+
+command.main()

@@ -1,0 +1,134 @@
+#!/usr/bin/env python3
+"""What `stipple render` writes: channels, types and compression as asked for, frames of a camera
+path, statistics. By --method reference: what is tested is the command, not a renderer."""
+import json
+import re
+import struct
+import subprocess
+
+import command
+
+BASIC = ["render", "ball.ply", "-o", "out.exr", "--method", "reference", "--size", "40x30"]
+CHANNELS = ["A", "B", "G", "N.X", "N.Y", "N.Z", "R", "Z"]
+STATS = ["build", "device", "driver", "points", "splats", "splats_drawn", "groups", "grouping",
+         "method", "path", "passes", "frame_ms", "cold_ms", "bytes", "peak_rss", "plan"]
+
+
+def png_shape(data):
+    """(width, height, colour type); 6 is RGBA."""
+    return (*struct.unpack(">II", data[16:24]), data[25])
+
+
+class Render(command.CommandTest):
+    def header(self, name="out.exr"):
+        run = subprocess.run(["exrheader", self.path(name)], capture_output=True, text=True,
+                             check=True)
+        return run.stdout
+
+    def channels(self, name="out.exr"):
+        """{name: type} as Debian's exrheader sees it."""
+        found = re.findall(r"^    ([\w.]+), (16-bit|32-bit) ([\w-]+)", self.header(name), re.M)
+        return {channel: f"{bits} {kind}" for channel, bits, kind in found}
+
+    def test_default_channels(self):
+        self.done(*BASIC)
+        self.assertEqual(self.channels(), dict.fromkeys(CHANNELS, "32-bit floating-point"))
+        self.assertIn("zip, multi-scanline", self.header())
+        self.assertIn("(0 0) - (39 29)", self.header())
+
+    def test_aovs(self):
+        self.done(*BASIC, "--aov", "albedo,P,weight,fragments", "--aov", "coverage,id,layers")
+        added = ["albedo.R", "albedo.G", "albedo.B", "P.X", "P.Y", "P.Z", "weight", "fragments",
+                 "coverage", "id", "layers"]
+        channels = self.channels()
+        self.assertEqual(sorted(channels), sorted(CHANNELS + added))
+        self.assertEqual(channels["id"], "32-bit unsigned")
+
+    def test_half(self):
+        self.done(*BASIC, "--half", "--aov", "albedo,P")
+        for name, kind in self.channels().items():
+            half = name in "RGBA" or name.startswith(("N.", "albedo."))
+            self.assertEqual(kind[:6], "16-bit" if half else "32-bit", name)
+
+    def test_compression(self):
+        for name, words in [("none", "none"), ("zips", "zip, individual"), ("piz", "piz")]:
+            self.done(*BASIC, "--compression", name)
+            self.assertIn(words, self.header())
+
+    def test_preview(self):
+        self.done(*BASIC, "--preview", "a.png")
+        self.done(*BASIC[:2], *BASIC[4:], "--preview", "b.png", "--exposure", "2")
+        self.assertEqual(png_shape(self.read("a.png")), (40, 30, 6))
+        self.assertNotEqual(self.read("a.png"), self.read("b.png"))
+
+    def test_background(self):
+        """Straight alpha on the command line: half-opaque red arrives multiplied."""
+        self.done(*BASIC, "--background", "1,0,0,0.5")
+        run = subprocess.run(["oiiotool", "--dumpdata", self.path("out.exr")],
+                             capture_output=True, text=True, check=True)
+        corner = re.search(r"Pixel \(0, 0\): ([-\d.infe+ ]+)", run.stdout)[1].split()
+        self.assertEqual([float(v) for v in corner[:4]], [0.5, 0, 0, 0.5])
+
+    def test_same_options_same_bytes(self):
+        self.done(*BASIC, "--threads", "1")
+        first = self.read("out.exr")
+        self.done(*BASIC, "--threads", "3")
+        self.assertEqual(self.read("out.exr"), first)
+
+    def test_camera_round_trip(self):
+        self.done(*BASIC, "--view", "40,-20", "--fov", "50", "--write-camera", "c.json")
+        first = self.read("out.exr")
+        self.done(*BASIC[:6], "--camera", "c.json")
+        self.assertEqual(self.read("out.exr"), first)
+
+    def test_views_differ(self):
+        for view in ["front", "back", "left", "right", "top", "bottom", "iso"]:
+            self.done(*BASIC, "--view", view, "--write-camera", view + ".json")
+        cameras = {self.read(v + ".json") for v in
+                   ["front", "back", "left", "right", "top", "bottom", "iso"]}
+        self.assertEqual(len(cameras), 7)
+        right = json.loads(self.read("right.json"))["world_to_camera"]
+        # The right view looks along -x: the camera's backward axis is +x, its right is -z.
+        for row, wanted in [(right[2], [1, 0, 0]), (right[0], [0, 0, -1])]:
+            for value, want in zip(row[:3], wanted):
+                self.assertAlmostEqual(value, want, 12)
+
+    def test_frames(self):
+        for view in ["front", "right", "top"]:
+            self.done(*BASIC, "--view", view, "--write-camera", view + ".json")
+        path = [json.loads(self.read(v + ".json")) for v in ["front", "right", "top"]]
+        self.write("path.json", json.dumps(path))
+        self.done("render", "ball.ply", "-o", "f.%04d.exr", "--camera", "path.json", "--frames",
+                  "1:2", "--method", "reference", "--stats", "s.json", "--preview", "p%d.png")
+        names = self.listing()
+        self.assertTrue({"f.0001.exr", "f.0002.exr", "p1.png", "p2.png"} <= set(names))
+        self.assertNotIn("f.0000.exr", names)
+        self.assertEqual([list(s) for s in json.loads(self.read("s.json"))], [STATS, STATS])
+
+    def test_path_without_frames(self):
+        self.done(*BASIC, "--write-camera", "c.json")
+        self.write("path.json", "[%s, %s]" % ((self.read("c.json").decode(),) * 2))
+        run = self.run_tool(*BASIC, "--camera", "path.json")
+        self.assertEqual(run.returncode, 0)
+        self.assertIn("warning", run.stderr)
+        self.assertIn("--frames 0:1", run.stderr)
+        self.done(*BASIC, "--camera", "path.json", "--quiet")
+
+    def test_stats_alone(self):
+        before = set(self.listing())
+        self.done("render", "ball.ply", "--method", "reference", "--size", "16x16", "--stats",
+                  "s.json")
+        self.assertEqual(set(self.listing()) - before, {"s.json"})
+        stats = json.loads(self.read("s.json"))
+        self.assertEqual(list(stats), STATS)
+        self.assertEqual((stats["points"], stats["splats"], stats["method"]),
+                         (2000, 2000, "reference"))
+        self.assertEqual(sorted(stats["cold_ms"]),
+                         ["first_frame", "load", "prepare", "upload", "write"])
+        self.assertEqual(sorted(stats["frame_ms"]), ["max", "median", "min"])
+        self.assertEqual(sorted(stats["bytes"]), ["peak", "scene", "transient"])
+        self.assertGreater(stats["peak_rss"], 1 << 20)
+        self.assertTrue(stats["plan"])
+
+
+command.main()

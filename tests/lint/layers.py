@@ -1,0 +1,74 @@
+#!/usr/bin/env python3
+"""A stage includes only from itself and from stages before it; only the last three name Vulkan."""
+import os
+import re
+
+import tree
+
+STAGES = ["base", "load", "scene", "prepare", "reference", "write", "report", "plan", "gpu",
+          "passes", "record"]
+VULKAN = {"gpu", "passes", "record"}
+# Stages that stand on the scene alone: they measure or store what others made.
+APART = {"reference": {"base", "load", "scene"}, "write": {"base", "load", "scene"},
+         "report": {"base", "load", "scene"}}
+# What a stage may never see although it comes earlier.
+HIDDEN = {"passes": {"load", "scene", "prepare", "reference", "write", "report"}}
+NAMES_VULKAN = re.compile(r"\bvk[A-Z]\w+|\bVk[A-Z]\w+|\bVK_[A-Z]\w+|\bvolk[A-Z]\w+")
+
+
+def allowed(stage):
+    before = set(STAGES[:STAGES.index(stage)])
+    return (APART.get(stage, before) - HIDDEN.get(stage, set())) | {stage}
+
+
+def check_stage_file(path, stage):
+    for number, name, quoted in tree.includes(path):
+        where = f"{path}:{number}"
+        if name.startswith(("vulkan/", "volk")) or name == "stipple/vulkan.h":
+            if stage not in VULKAN:
+                yield f"{where}: {stage} includes {name}"
+        elif not quoted:
+            continue
+        elif "/" not in name:
+            yield f"{where}: \"{name}\" names no stage; write \"{stage}/{name}\""
+        elif name.startswith("shared/"):
+            if stage not in VULKAN | {"plan"}:
+                yield f"{where}: {stage} includes what the shaders share, {name}"
+        elif name.split("/")[0] not in allowed(stage):
+            yield f"{where}: {stage} may not include {name}"
+
+
+def check_tool_file(path):
+    for number, name, quoted in tree.includes(path):
+        if quoted and ("/" in name or not os.path.exists(os.path.join(tree.ROOT, "tools", name))):
+            yield f"{path}:{number}: the command includes only public headers, not {name}"
+
+
+def check_public_header(path):
+    for number, name, quoted in tree.includes(path):
+        if quoted or (name.startswith("vulkan/") and not path.endswith("/vulkan.h")):
+            yield f"{path}:{number}: a public header may not include {name}"
+
+
+def check_vulkan_names(path):
+    for number, line in enumerate(tree.code_only(tree.text(path)).splitlines(), 1):
+        match = NAMES_VULKAN.search(line)
+        if match:
+            yield f"{path}:{number}: names Vulkan: {match[0]}"
+
+
+def check(path):
+    parts = path.split(os.sep)
+    if parts[0] == "src":
+        yield from check_stage_file(path, parts[1])
+    elif parts[0] == "tools":
+        yield from check_tool_file(path)
+    elif parts[0] == "include":
+        yield from check_public_header(path)
+    free = path == "include/stipple/vulkan.h" or (parts[0] == "src" and parts[1] in VULKAN)
+    if not free:
+        yield from check_vulkan_names(path)
+
+
+PATHS = tree.files(".c", ".h", ".cpp", folders=["src", "tools", "include"])
+tree.finish(len(PATHS), [fault for path in PATHS for fault in check(path)])

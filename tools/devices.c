@@ -1,0 +1,121 @@
+/* stipple devices: what Vulkan offers here, what each device lacks, and a profile for plans. */
+#include <cjson/cJSON.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli.h"
+
+#define MAX_DEVICES 16
+
+static const char *processor_text(const struct stp_limits *limits)
+{
+    return limits->processor == 1 ? "software" : "GPU";
+}
+
+static void print_features(const struct stp_limits *limits)
+{
+    bool any = false;
+    for (unsigned bit = 1; stp_feature_name((enum stp_feature)bit); bit *= 2) {
+        if (limits->features & bit)
+            printf("%s%s", any ? ", " : "", stp_feature_name((enum stp_feature)bit));
+        any = any || (limits->features & bit);
+    }
+    printf("%s\n", any ? "" : "none");
+}
+
+static void print_device(const struct stp_device_info *device)
+{
+    const struct stp_limits *limits = &device->limits;
+    printf("%s\n", limits->device);
+    printf("  kind      %s%s\n", processor_text(limits), device->usable ? "" : ", not usable");
+    printf("  driver    %s, Vulkan %s\n", limits->driver, device->api_version);
+    printf("  memory    %.0f MiB, %.0f MiB in one buffer\n", (double)limits->heap_bytes / 1048576,
+           (double)limits->max_allocation / 1048576);
+    printf("  images    %u x %u, %u layers\n", limits->max_image_size, limits->max_image_size,
+           limits->max_image_layers);
+    printf("  has       ");
+    print_features(limits);
+    printf("  lacks     %s\n", device->lacks[0] ? device->lacks : "nothing");
+}
+
+/* The profile that `stipple plan --limits` reads, and what was found out beside it. */
+static void print_profile(const struct stp_device_info *device)
+{
+    const struct stp_limits *limits = &device->limits;
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "device", limits->device);
+    cJSON_AddStringToObject(json, "driver", limits->driver);
+    cJSON *features = cJSON_AddArrayToObject(json, "features");
+    for (unsigned bit = 1; stp_feature_name((enum stp_feature)bit); bit *= 2)
+        if (limits->features & bit)
+            cJSON_AddItemToArray(features,
+                                 cJSON_CreateString(stp_feature_name((enum stp_feature)bit)));
+    cJSON_AddNumberToObject(json, "heap_bytes", (double)limits->heap_bytes);
+    cJSON_AddNumberToObject(json, "max_allocation", (double)limits->max_allocation);
+    cJSON_AddNumberToObject(json, "max_image_size", limits->max_image_size);
+    cJSON_AddNumberToObject(json, "max_image_layers", limits->max_image_layers);
+    cJSON_AddNumberToObject(json, "max_workgroups", limits->max_workgroups);
+    cJSON_AddNumberToObject(json, "processor", limits->processor);
+    cJSON_AddStringToObject(json, "api_version", device->api_version);
+    cJSON_AddBoolToObject(json, "usable", device->usable);
+    cJSON_AddStringToObject(json, "lacks", device->lacks);
+    char *text = cJSON_Print(json);
+    if (text)
+        puts(text);
+    free(text);
+    cJSON_Delete(json);
+}
+
+/* Keeps the devices whose name holds `part`, in order; returns how many. */
+static unsigned select_devices(struct stp_device_info *devices, unsigned count, const char *part)
+{
+    unsigned kept = 0;
+    for (unsigned i = 0; i < count; i++)
+        if (!part || strstr(devices[i].limits.device, part))
+            devices[kept++] = devices[i];
+    return kept;
+}
+
+static const struct stp_device_info *first_usable(const struct stp_device_info *devices,
+                                                  unsigned count)
+{
+    for (unsigned i = 0; i < count; i++)
+        if (devices[i].usable)
+            return &devices[i];
+    return &devices[0];
+}
+
+static void print_devices(const struct stp_device_info *devices, unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        if (i)
+            putchar('\n');
+        print_device(&devices[i]);
+    }
+}
+
+int run_devices(struct settings *settings)
+{
+    struct console console;
+    struct stp_device_info *devices = calloc(MAX_DEVICES, sizeof *devices);
+    unsigned count = 0;
+    console_open(&console, settings);
+    if (!devices) {
+        console_error(&console, "out of memory");
+        return EXIT_FAILED;
+    }
+    enum stp_result result = stp_devices(&console.env, devices, MAX_DEVICES, &count);
+    console_close(&console);
+    const char *part = settings->context.device;
+    count = select_devices(devices, count > MAX_DEVICES ? MAX_DEVICES : count, part);
+    if (result == STP_OK && count == 0)
+        console_error(&console,
+                      "no Vulkan device%s%s; mesa-vulkan-drivers brings one that needs no GPU",
+                      part ? " whose name holds " : "", part ? part : "");
+    else if (result == STP_OK && settings->json)
+        print_profile(first_usable(devices, count));
+    else if (result == STP_OK)
+        print_devices(devices, count);
+    free(devices);
+    return result == STP_OK && count ? EXIT_DONE : EXIT_FAILED;
+}

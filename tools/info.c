@@ -1,0 +1,294 @@
+/* stipple info: what is in a file, what is wrong with it, what would be done. */
+#include <cjson/cJSON.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "cli.h"
+
+#define MAX_PROBLEMS 10
+
+struct problems {
+    unsigned count;
+    char line[MAX_PROBLEMS][160];
+};
+
+/* What `stipple render` with no flags would do; the plan that the built-in profile gives. */
+struct intent {
+    char method[32], path[32], why[512];
+    char command[512];
+};
+
+static const char *normals_text(const struct stp_facts *facts)
+{
+    switch (facts->normals) {
+    case STP_NORMALS_GIVEN:
+        return "given";
+    case STP_NORMALS_ESTIMATED:
+        return "estimated";
+    default:
+        return facts->eye_dome ? "none: shaded by depth" : "none";
+    }
+}
+
+static void note(struct problems *problems, size_t count, const char *one, const char *many)
+{
+    if (count && problems->count < MAX_PROBLEMS)
+        snprintf(problems->line[problems->count++], sizeof problems->line[0], "%zu %s", count,
+                 count == 1 ? one : many);
+}
+
+static void find_problems(const struct stp_facts *facts, struct problems *problems)
+{
+    note(problems, facts->not_finite, "point is not finite: dropped",
+         "points are not finite: dropped");
+    note(problems, facts->duplicates, "splat is an exact copy of another: kept",
+         "splats are exact copies of others: kept");
+    note(problems, facts->bad_normals, "normal is zero or not finite: estimated instead",
+         "normals are zero or not finite: estimated instead");
+    note(problems, facts->bad_radii,
+         "radius is zero, negative, not finite or monstrous: set from the spacing",
+         "radii are zero, negative, not finite or monstrous: set from the spacing");
+    note(problems, facts->outliers, "point is far from everything: its radius is bounded",
+         "points are far from everything: their radii are bounded");
+    note(problems, facts->no_normal,
+         "splat has no normal that could be estimated: it faces the eye",
+         "splats have no normal that could be estimated: they face the eye");
+    if (facts->normals == STP_NORMALS_GIVEN && facts->outwardness < -0.1 &&
+        problems->count < MAX_PROBLEMS)
+        snprintf(problems->line[problems->count++], sizeof problems->line[0],
+                 "normals point inward: lit on both sides");
+}
+
+/* "NAME" of "a/b/NAME.ply.gz", for a suggested output in the current directory. */
+static void stem_of(const char *path, char *stem, size_t size)
+{
+    const char *base = strrchr(path, '/');
+    snprintf(stem, size, "%s", base ? base + 1 : path);
+    char *dot = strrchr(stem, '.');
+    if (dot && strcmp(dot, ".gz") == 0)
+        *dot = 0;
+    dot = strrchr(stem, '.');
+    if (dot && dot != stem)
+        *dot = 0;
+}
+
+static bool needs_quotes(const char *text)
+{
+    return strpbrk(text, " \t\"'\\$&|;<>()*?[]#~`!{}") != NULL;
+}
+
+static void suggest(const char *path, struct intent *intent)
+{
+    char stem[200];
+    stem_of(path, stem, sizeof stem);
+    const char *quote = needs_quotes(path) ? "\"" : "";
+    snprintf(intent->command, sizeof intent->command,
+             "stipple render %s%s%s -o %s%s.exr%s --preview %s%s.png%s", quote, path, quote, quote,
+             stem, quote, quote, stem, quote);
+}
+
+static void find_intent(struct console *console, const struct settings *settings,
+                        struct stp_scene *scene, const char *path, struct intent *intent)
+{
+    struct stp_limits limits;
+    struct stp_camera camera;
+    struct stp_plan *plan = NULL;
+    struct stp_plan_summary summary;
+    suggest(path, intent);
+    stp_limits_lavapipe(&limits);
+    if (group_if_needed(console, settings, scene, &limits) != EXIT_DONE ||
+        find_camera(console, settings, scene, 0, &camera, NULL) != EXIT_DONE ||
+        stp_plan_create(&console->env, scene, &camera, &settings->render, &limits, &plan) != STP_OK)
+        return;
+    stp_plan_summarize(plan, &summary);
+    snprintf(intent->method, sizeof intent->method, "%s", stp_method_name(summary.method));
+    snprintf(intent->path, sizeof intent->path, "%s", stp_path_name(summary.path));
+    snprintf(intent->why, sizeof intent->why, "%s", summary.why);
+    stp_plan_destroy(&plan);
+}
+
+/* --- text ------------------------------------------------------------------------------------ */
+
+static void row(const char *name)
+{
+    printf("  %-9s ", name);
+}
+
+static void print_points(const struct stp_facts *facts)
+{
+    row("points");
+    printf("%zu in %u object%s\n", facts->points, facts->objects, facts->objects == 1 ? "" : "s");
+    row("splats");
+    printf("%zu\n", facts->splats);
+    if (facts->clipped) {
+        row("clipped");
+        printf("%zu\n", facts->clipped);
+    }
+}
+
+static void print_shape(const struct stp_facts *facts)
+{
+    const double *b = facts->bounds;
+    static const char *const up[] = { "?", "x", "y", "z", "-y" };
+    row("from");
+    printf("%.9g %.9g %.9g\n", b[0], b[1], b[2]);
+    row("to");
+    printf("%.9g %.9g %.9g\n", b[3], b[4], b[5]);
+    row("size");
+    printf("%.6g x %.6g x %.6g, up is %s\n", b[3] - b[0], b[4] - b[1], b[5] - b[2], up[facts->up]);
+}
+
+static void print_surface(const struct stp_facts *facts)
+{
+    row("normals");
+    printf("%s; %s (outwardness %.2f)\n", normals_text(facts),
+           facts->two_sided ? "lit on both sides" : "lit from outside only", facts->outwardness);
+    row("radii");
+    printf("%.6g to %.6g, median %.6g\n", (double)facts->radius_min, (double)facts->radius_max,
+           (double)facts->radius_median);
+    row("colours");
+    if (facts->has_color)
+        printf("yes, the largest component is %.4g\n", (double)facts->color_max);
+    else
+        printf("none: the material's\n");
+    row("opacity");
+    printf("%s\n", facts->transparent ? "transparent" : "opaque");
+    row("lights");
+    printf("%u%s\n", facts->lights, facts->positional_lights ? ", some with a position" : "");
+    if (facts->grouping.groups) {
+        row("groups");
+        printf("%u at overlap %.3g\n", facts->grouping.groups, facts->grouping.overlap);
+    }
+}
+
+static void print_text(const char *path, const struct stp_facts *facts,
+                       const struct problems *problems, const struct intent *intent)
+{
+    printf("%s\n", path);
+    row("format");
+    printf("%s\n", facts->format);
+    print_points(facts);
+    print_shape(facts);
+    print_surface(facts);
+    row("wrong");
+    if (!problems->count)
+        printf("nothing\n");
+    for (unsigned i = 0; i < problems->count; i++)
+        printf("%s%s\n", i ? "            " : "", problems->line[i]);
+    if (intent->method[0]) {
+        row("would be");
+        printf("%s, %s: %s\n", intent->method, intent->path, intent->why);
+    }
+    row("try");
+    printf("%s\n", intent->command);
+}
+
+/* --- JSON ------------------------------------------------------------------------------------ */
+
+static void add_counts(cJSON *json, const struct stp_facts *facts)
+{
+    const struct {
+        const char *key;
+        size_t value;
+    } counts[] = {
+        { "points", facts->points },         { "splats", facts->splats },
+        { "objects", facts->objects },       { "lights", facts->lights },
+        { "not_finite", facts->not_finite }, { "clipped", facts->clipped },
+        { "duplicates", facts->duplicates }, { "bad_normals", facts->bad_normals },
+        { "bad_radii", facts->bad_radii },   { "outliers", facts->outliers },
+        { "no_normal", facts->no_normal },   { "groups", facts->grouping.groups },
+    };
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        cJSON_AddNumberToObject(json, counts[i].key, (double)counts[i].value);
+}
+
+static void add_shape(cJSON *json, const struct stp_facts *facts)
+{
+    static const char *const up[] = { "auto", "x", "y", "z", "-y" };
+    const double radius[] = { facts->radius_min, facts->radius_median, facts->radius_max };
+    cJSON_AddItemToObject(json, "bounds", cJSON_CreateDoubleArray(facts->bounds, 6));
+    cJSON_AddItemToObject(json, "origin", cJSON_CreateDoubleArray(facts->origin, 3));
+    cJSON_AddStringToObject(json, "up", up[facts->up]);
+    cJSON *radii = cJSON_AddObjectToObject(json, "radius");
+    cJSON_AddNumberToObject(radii, "min", radius[0]);
+    cJSON_AddNumberToObject(radii, "median", radius[1]);
+    cJSON_AddNumberToObject(radii, "max", radius[2]);
+    cJSON_AddStringToObject(json, "normals",
+                            facts->normals == STP_NORMALS_GIVEN       ? "given"
+                            : facts->normals == STP_NORMALS_ESTIMATED ? "estimated"
+                                                                      : "none");
+    cJSON_AddNumberToObject(json, "outwardness", facts->outwardness);
+    cJSON_AddBoolToObject(json, "two_sided", facts->two_sided);
+    cJSON_AddBoolToObject(json, "eye_dome", facts->eye_dome);
+    cJSON_AddBoolToObject(json, "has_color", facts->has_color);
+    cJSON_AddNumberToObject(json, "color_max", facts->color_max);
+    cJSON_AddBoolToObject(json, "transparent", facts->transparent);
+    cJSON_AddBoolToObject(json, "positional_lights", facts->positional_lights);
+}
+
+static cJSON *make_json(const char *path, const struct stp_facts *facts,
+                        const struct problems *problems, const struct intent *intent)
+{
+    cJSON *json = cJSON_CreateObject();
+    cJSON_AddStringToObject(json, "file", path);
+    cJSON_AddStringToObject(json, "format", facts->format);
+    add_counts(json, facts);
+    add_shape(json, facts);
+    cJSON *wrong = cJSON_AddArrayToObject(json, "wrong");
+    for (unsigned i = 0; i < problems->count; i++)
+        cJSON_AddItemToArray(wrong, cJSON_CreateString(problems->line[i]));
+    cJSON *would = cJSON_AddObjectToObject(json, "would");
+    cJSON_AddStringToObject(would, "method", intent->method);
+    cJSON_AddStringToObject(would, "path", intent->path);
+    cJSON_AddStringToObject(would, "why", intent->why);
+    cJSON_AddStringToObject(would, "command", intent->command);
+    return json;
+}
+
+static int describe(struct console *console, const struct settings *settings, const char *path,
+                    cJSON *list)
+{
+    struct stp_scene *scene = NULL;
+    struct problems problems = { 0 };
+    struct intent intent = { 0 };
+    int status = load_and_prepare(console, settings, path, &scene, NULL);
+    if (status != EXIT_DONE)
+        return status;
+    find_intent(console, settings, scene, path, &intent);
+    const struct stp_facts *facts = stp_scene_facts(scene);
+    find_problems(facts, &problems);
+    if (list)
+        cJSON_AddItemToArray(list, make_json(path, facts, &problems, &intent));
+    else
+        print_text(path, facts, &problems, &intent);
+    stp_scene_destroy(&scene);
+    return EXIT_DONE;
+}
+
+static void print_json(cJSON *list)
+{
+    char *text = cJSON_Print(list);
+    if (text)
+        puts(text);
+    free(text);
+}
+
+/* Goes on after a bad file; the worst status is the command's. */
+int run_info(struct settings *settings)
+{
+    struct console console;
+    int worst = EXIT_DONE;
+    cJSON *list = settings->json ? cJSON_CreateArray() : NULL;
+    console_open(&console, settings);
+    for (int i = 0; i < settings->file_count; i++) {
+        int status = describe(&console, settings, settings->files[i], list);
+        if (i + 1 < settings->file_count && status == EXIT_DONE && !list)
+            putchar('\n');
+        worst = status > worst ? status : worst;
+    }
+    console_close(&console);
+    if (list)
+        print_json(list);
+    cJSON_Delete(list);
+    return worst;
+}

@@ -1,0 +1,345 @@
+/* Every option of every command, once: parsing, --help and the man page come from this table. */
+#include <float.h>
+#include <getopt.h>
+#include <stdarg.h>
+#include <string.h>
+
+#include "cli.h"
+
+#define INFO     COMMAND_INFO
+#define RENDER   COMMAND_RENDER
+#define PLAN     COMMAND_PLAN
+#define PREPARE  COMMAND_PREPARE
+#define COMPARE  COMMAND_COMPARE
+#define DEVICES  COMMAND_DEVICES
+#define PICTURE  (RENDER | PLAN)
+#define POINTS   (RENDER | PLAN | PREPARE)
+#define ALL      (INFO | RENDER | PLAN | PREPARE | COMPARE | DEVICES)
+#define ABOVE_0  DBL_TRUE_MIN, DBL_MAX
+#define AT(name) offsetof(struct settings, name)
+
+/* clang-format off */
+const struct option_spec option_table[] = {
+    { "Output", RENDER, "output", 'o', "FILE.exr",
+      "the picture: R G B A, Z and N.X N.Y N.Z as 32-bit floats, colour linear and premultiplied. "
+      "With --frames the name holds %d or %04d. Required, unless only --stats is wanted; then "
+      "nothing but the figures is written",
+      value_exr_path, AT(output), "a name that ends in .exr", 0, 0, NULL },
+    { "Output", PREPARE, "output", 'o', "FILE.ply",
+      "the prepared splats, as a binary PLY that reads back bit for bit. Required",
+      value_ply_path, AT(output), "a name that ends in .ply", 0, 0, NULL },
+    { NULL, RENDER, "preview", 0, "FILE.png",
+      "also write an 8-bit sRGB picture with straight alpha (default: none)",
+      value_png_path, AT(preview), "a name that ends in .png", 0, 0, NULL },
+    { NULL, RENDER, "exposure", 0, "STOPS",
+      "brighten the preview by 2^STOPS; the EXR is not touched (default: 0)",
+      value_real, AT(exposure), "a number from -64 to 64", -64, 64, NULL },
+    { NULL, RENDER, "aov", 0, "LIST",
+      "more channels, with commas between: albedo (before light), P (position), weight (sum of "
+      "weights), fragments (how many were averaged), coverage (share of samples that hit), id "
+      "(input index of the nearest splat, uint), layers (default: none)",
+      value_names, AT(render.aovs),
+      "names of albedo, P, weight, fragments, coverage, id, layers with commas between", 0, 0,
+      aov_names },
+    { NULL, RENDER, "half", 0, NULL,
+      "write R G B A, N and albedo as 16-bit halves, clamped to +-65504 (default: 32-bit floats)",
+      value_flag, AT(half), NULL, 0, 0, NULL },
+    { NULL, RENDER, "compression", 0, "zip|none|zips|piz",
+      "of the EXR; all are lossless, none is fastest (default: zip)",
+      value_choice, AT(exr.compression), NULL, 0, 0, NULL },
+    { NULL, RENDER, "stats", 0, "FILE.json",
+      "write what was done, the times and the bytes (default: none)",
+      value_text, AT(stats), "the name of a file", 0, 0, NULL },
+    { NULL, PREPARE, "group", 0, NULL,
+      "find the groups of the deferred method too, and store them (default: off)",
+      value_flag, AT(with_groups), NULL, 0, 0, NULL },
+
+    { "Camera", PICTURE, "view", 0, "front|back|left|right|top|bottom|iso|AZ,EL",
+      "the direction to look from; the scene is framed automatically. AZ and EL are degrees: 0,0 "
+      "is front, 90,0 right, 0,90 top (default: iso, which is 35,25)",
+      value_view, 0,
+      "front, back, left, right, top, bottom, iso, or AZ,EL in degrees (AZ -360 to 360, EL -90 "
+      "to 90)", 0, 0, NULL },
+    { NULL, PICTURE, "fov", 0, "DEG",
+      "vertical field of view when framing (default: 30)",
+      value_degrees, AT(frame.fov_y), "degrees above 0 and at most 175", DBL_TRUE_MIN, 175, NULL },
+    { NULL, PICTURE, "ortho", 0, NULL,
+      "frame with an orthographic camera (default: perspective)",
+      value_flag, AT(frame.orthographic), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "camera", 0, "FILE.json",
+      "a camera file, or a path of them (default: the camera of the scene .json; else --view)",
+      value_text, AT(camera), "the name of a file", 0, 0, NULL },
+    { NULL, RENDER, "frames", 0, "A:B",
+      "render the cameras A to B, both included, of a camera path; the first is 0 (default: only "
+      "the first)",
+      value_frames, 0, "A:B, whole numbers with A <= B", 0, 999999, NULL },
+    { NULL, RENDER, "write-camera", 0, "FILE.json",
+      "write the camera that was used (default: none)",
+      value_text, AT(write_camera), "the name of a file", 0, 0, NULL },
+    { NULL, PICTURE, "size", 0, "WxH",
+      "pixels; wins over a camera file's size and scales its intrinsics (default: 1280x720, or "
+      "the camera file's)",
+      value_size, 0, "WIDTHxHEIGHT, each from 1 to 65536", 1, 65536, NULL },
+
+    { "Scene", POINTS, "up", 0, "auto|x|y|z|-y",
+      "the axis that points up (default: auto, what the file's format says, else y)",
+      value_choice, AT(load.up), NULL, 0, 0, NULL },
+    { NULL, POINTS, "clip-box", 0, "X0,Y0,Z0,X1,Y1,Z1",
+      "leave out the points outside this box, in scene units (default: none)",
+      value_clip_box, 0, "six numbers with commas between, the low corner first", 0, 0, NULL },
+    { NULL, POINTS, "color-by", 0, "rgb|normal|height|intensity|class|FIELD",
+      "what colours the points; FIELD is any scalar property of the file (default: rgb where the "
+      "file has colours, else the material's)",
+      value_text, AT(load.color_by), "rgb, normal, height, intensity, class or a property's name",
+      0, 0, NULL },
+    { NULL, POINTS, "transfer", 0, "auto|srgb|linear",
+      "how colours are stored (default: auto, 8- and 16-bit sRGB, float linear)",
+      value_choice, AT(load.transfer), NULL, 0, 0, NULL },
+    { NULL, POINTS, "two-sided", 0, "auto|on|off",
+      "turn normals to the eye (default: auto, on where they were estimated or point inward, or "
+      "the surface is open)",
+      value_choice, AT(prepare.two_sided), NULL, 0, 0, NULL },
+
+    { "Picture", PICTURE, "background", 0, "R,G,B[,A]|none",
+      "composited behind; linear light, alpha straight: it is multiplied in (default: none, "
+      "alpha 0 where nothing is)",
+      value_background, 0, "none, or R,G,B or R,G,B,A with A from 0 to 1", 0, 0, NULL },
+    { NULL, PICTURE, "samples", 0, "N",
+      "stratified samples a pixel, for smooth edges (default: 1)",
+      value_count, AT(render.samples), "a whole number from 1 to 4096", 1, 4096, NULL },
+    { NULL, PICTURE, "kernel", 0, "parabola|gauss",
+      "the weight of a splat at rho from its centre: 1 - rho^2, or exp(-2 rho^2), both within "
+      "rho = 1 (default: parabola)",
+      value_choice, AT(render.kernel), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "epsilon", 0, "E",
+      "how far behind the nearest splat others are still blended with it, in scene units "
+      "(default: the median radius of each object)",
+      value_real, AT(render.epsilon), "a number above 0", ABOVE_0, NULL },
+    { NULL, PICTURE, "min-splat", 0, "F",
+      "the least diameter of a splat on the screen in pixels, so that small ones leave no holes; "
+      "0 is off (default: 1.5)",
+      value_min_splat, 0, "a number from 0 to 64", 0, 64, NULL },
+    { NULL, PICTURE, "cull", 0, "none|back",
+      "leave out splats that face away from the eye (default: none)",
+      value_choice, AT(render.cull), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "local-viewer", 0, NULL,
+      "highlights seen from the eye's place (default: from its direction, one for the picture)",
+      value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },
+
+    { "Method", PICTURE, "method", 0, "auto|deferred|two-pass|exact|reference",
+      "deferred: groups blended in one pass; two-pass: visibility, then blending; exact: every "
+      "fragment kept and resolved; reference: float64 on the CPU, slow, needs no Vulkan (default: "
+      "auto, exact where the device has what it needs, else deferred)",
+      value_choice, AT(render.method), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "path", 0, "auto|raster|compute",
+      "the device's rasteriser, or compute shaders (default: auto)",
+      value_choice, AT(render.path), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "payload", 0, "auto|id|packed",
+      "deferred by compute: a key carries the splat's number (exact) or packed attributes "
+      "(default: auto)",
+      value_choice, AT(render.payload), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "voronoi", 0, "auto|off|slab|exact",
+      "deferred: who wins where splats of one group overlap (default: auto, slab where the "
+      "overlap is below 1)",
+      value_choice, AT(render.voronoi), NULL, 0, 0, NULL },
+    { NULL, POINTS, "overlap", 0, "C",
+      "deferred: splats of one group may overlap as if shrunk by C; lower is faster and less "
+      "exact (default: 0.85)",
+      value_real, AT(group.overlap), "a number above 0 and at most 1", DBL_TRUE_MIN, 1, NULL },
+    { NULL, POINTS, "groups", 0, "K",
+      "deferred: at most K groups; where the colouring needs more, the overlap is lowered "
+      "(default: 64)",
+      value_count, AT(group.max_groups), "a whole number from 1 to 64", 1, STP_MAX_GROUPS, NULL },
+    { NULL, POINTS, "relax", 0, "coplanar,opposed|none",
+      "deferred: overlaps that need no separate groups: of flat neighbours of one colour, of "
+      "splats that face opposite ways (default: opposed)",
+      value_names, AT(group.relax), "coplanar, opposed, both with a comma between, or none", 0, 0,
+      relax_names },
+    { NULL, PICTURE, "tile-memory", 0, "BYTES",
+      "render in tiles when images and buffers would take more; K, M or G may follow (default: "
+      "what the device has)",
+      value_bytes, AT(render.memory_limit), "a whole number above 0, K, M or G may follow", 0, 0,
+      NULL },
+
+    { "Device", RENDER | DEVICES, "device", 0, "SUBSTRING",
+      "the device whose name holds this (default: a GPU before a software device)",
+      value_text, AT(context.device), "part of a device's name", 0, 0, NULL },
+    { "Device", PLAN, "limits", 0, "FILE.json",
+      "plan for this device, a profile that `stipple devices --json` printed (default: a "
+      "built-in profile of Mesa's software device)",
+      value_text, AT(limits), "the name of a file", 0, 0, NULL },
+    { NULL, PICTURE, "mask-feature", 0, "NAME",
+      "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64; may "
+      "be repeated (default: none)",
+      value_features, AT(render.mask_features),
+      "names of int64-atomics, vertex-layer, float32-blend, int64 with commas between", 0, 0,
+      NULL },
+    { NULL, RENDER, "validate", 0, NULL,
+      "run under the Vulkan validation layers; any message is a failure (default: off)",
+      value_flag, AT(context.validate), NULL, 0, 0, NULL },
+    { NULL, RENDER, "repeat", 0, "N",
+      "render N more frames and time them, for --stats (default: 0)",
+      value_count, AT(repeat), "a whole number from 0 to 100000", 0, 100000, NULL },
+
+    { "Comparison", COMPARE, "epsilon", 0, "E",
+      "state depth errors as multiples of E, in scene units (default: none, absolute)",
+      value_real, AT(compare.epsilon), "a number above 0", ABOVE_0, NULL },
+    { NULL, COMPARE, "exposure", 0, "STOPS",
+      "brighten both pictures by 2^STOPS before FLIP (default: 0)",
+      value_real, AT(compare.exposure), "a number from -64 to 64", -64, 64, NULL },
+    { NULL, COMPARE, "fail-under-psnr", 0, "DB",
+      "exit with status 1 when the PSNR over covered pixels is lower (default: never)",
+      value_real, AT(least_psnr), "a number of decibels", -DBL_MAX, DBL_MAX, NULL },
+
+    { "General", INFO | COMPARE | DEVICES, "json", 0, NULL,
+      "print JSON (default: text)", value_flag, AT(json), NULL, 0, 0, NULL },
+    { "General", ALL, "threads", 0, "N",
+      "threads of the CPU half (default: one for each processor)",
+      value_count, AT(threads), "a whole number from 1 to 256", 1, 256, NULL },
+    { NULL, ALL, "quiet", 'q', NULL,
+      "no progress bar and no warnings on stderr; errors only (default: off)",
+      value_flag, AT(quiet), NULL, 0, 0, NULL },
+    { NULL, ALL, "verbose", 0, NULL,
+      "say what is being decided, on stderr (default: off)",
+      value_flag, AT(verbose), NULL, 0, 0, NULL },
+    { NULL, ALL, "help", 'h', NULL, "print this", NULL, 0, NULL, 0, 0, NULL },
+    { NULL, ALL, "version", 'v', NULL, "print the version", NULL, 0, NULL, 0, 0, NULL },
+};
+/* clang-format on */
+
+const unsigned option_count = sizeof option_table / sizeof *option_table;
+_Static_assert(sizeof option_table / sizeof *option_table <= 64, "settings.given has 64 bits");
+
+#define LONG_BASE 256 /* getopt's value of table entry i is LONG_BASE + i */
+
+int wrong_usage(const struct command *command, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    fputs("stipple: ", stderr);
+    vfprintf(stderr, format, args);
+    va_end(args);
+    fprintf(stderr, "; try 'stipple %s%s--help'\n", command ? command->name : "",
+            command ? " " : "");
+    return EXIT_COMMAND_LINE;
+}
+
+bool option_given(const struct settings *settings, const char *name)
+{
+    for (unsigned i = 0; i < option_count; i++)
+        if ((settings->given >> i & 1) && strcmp(option_table[i].name, name) == 0)
+            return true;
+    return false;
+}
+
+/* What getopt_long wants to know; both arrays end themselves. */
+static void build_getopt(const struct command *command, char *letters, struct option *longs)
+{
+    *letters++ = ':';
+    for (unsigned i = 0; i < option_count; i++) {
+        const struct option_spec *spec = &option_table[i];
+        if (!(spec->commands & command->bit))
+            continue;
+        *longs++ = (struct option){ spec->name, spec->argument ? required_argument : no_argument,
+                                    NULL, LONG_BASE + (int)i };
+        if (spec->letter)
+            *letters++ = spec->letter;
+        if (spec->letter && spec->argument)
+            *letters++ = ':';
+    }
+    *letters = 0;
+    *longs = (struct option){ 0 };
+}
+
+static int find_option(const struct command *command, int code)
+{
+    if (code >= LONG_BASE)
+        return code - LONG_BASE;
+    for (unsigned i = 0; i < option_count; i++)
+        if ((option_table[i].commands & command->bit) && option_table[i].letter == code)
+            return (int)i;
+    return -1;
+}
+
+static const char *allowed_text(const struct option_spec *spec)
+{
+    return spec->allowed ? spec->allowed : spec->argument;
+}
+
+/* `word` is "--xyz" or "--xyz=...": unknown, or the start of more than one option. */
+static void report_unknown_long(const struct command *command, const char *word)
+{
+    char matches[160] = "";
+    size_t length = strcspn(word + 2, "="), used = 0;
+    for (unsigned i = 0; i < option_count; i++) {
+        const struct option_spec *spec = &option_table[i];
+        if ((spec->commands & command->bit) && strncmp(spec->name, word + 2, length) == 0 &&
+            used < sizeof matches)
+            used += (size_t)snprintf(matches + used, sizeof matches - used, "%s--%s",
+                                     used ? ", " : "", spec->name);
+    }
+    if (used)
+        wrong_usage(command, "%s could be %s", word, matches);
+    else
+        wrong_usage(command, "%s has no option %s", command->name, word);
+}
+
+static enum parse_outcome report_unknown(const struct command *command, int code, char **argv)
+{
+    int index = optopt ? find_option(command, optopt) : -1;
+    if (code == ':' && index >= 0)
+        wrong_usage(command, "--%s wants a value: %s", option_table[index].name,
+                    allowed_text(&option_table[index]));
+    else if (index >= 0)
+        wrong_usage(command, "--%s takes no value", option_table[index].name);
+    else if (optopt)
+        wrong_usage(command, "%s has no option -%c", command->name, optopt);
+    else
+        report_unknown_long(command, argv[optind - 1]);
+    return PARSE_WRONG;
+}
+
+static enum parse_outcome apply_option(const struct command *command, int index,
+                                       struct settings *settings)
+{
+    const struct option_spec *spec = &option_table[index];
+    if (!spec->parse) {
+        if (strcmp(spec->name, "help") == 0)
+            help_command(command);
+        else
+            printf("stipple %s\n", stp_version());
+        return PARSE_SHOWN;
+    }
+    settings->given |= (uint64_t)1 << index;
+    if (spec->parse(spec, optarg, (char *)settings + spec->offset))
+        return PARSE_RUN;
+    wrong_usage(command, "--%s '%s': wants %s", spec->name, optarg, allowed_text(spec));
+    return PARSE_WRONG;
+}
+
+enum parse_outcome options_parse(const struct command *command, int argc, char **argv,
+                                 struct settings *settings)
+{
+    char letters[64];
+    struct option longs[65];
+    int code;
+    build_getopt(command, letters, longs);
+    opterr = 0;
+    while ((code = getopt_long(argc, argv, letters, longs, NULL)) != -1) {
+        int index = code == '?' || code == ':' ? -1 : find_option(command, code);
+        enum parse_outcome outcome = index < 0 ? report_unknown(command, code, argv)
+                                               : apply_option(command, index, settings);
+        if (outcome != PARSE_RUN)
+            return outcome;
+    }
+    settings->files = argv + optind;
+    settings->file_count = argc - optind;
+    if (settings->file_count >= command->files_least && settings->file_count <= command->files_most)
+        return PARSE_RUN;
+    if (settings->file_count > command->files_most)
+        wrong_usage(command, "%s: '%s' is one file too many", command->name,
+                    settings->files[command->files_most]);
+    else
+        wrong_usage(command, "usage: stipple %s %s", command->name, command->usage);
+    return PARSE_WRONG;
+}

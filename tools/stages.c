@@ -1,0 +1,123 @@
+/* From the settings to library objects: what several commands do in the same way. */
+#include "cli.h"
+
+int exit_of_input(enum stp_result result)
+{
+    switch (result) {
+    case STP_OK:
+        return EXIT_DONE;
+    case STP_ERROR_IO:
+    case STP_ERROR_FORMAT:
+    case STP_ERROR_NO_POINTS:
+        return EXIT_BAD_INPUT;
+    case STP_ERROR_ARGUMENT:
+        return EXIT_COMMAND_LINE;
+    default:
+        return EXIT_FAILED;
+    }
+}
+
+/* Preparing knows no files: its lines get the file's name in front. */
+struct named {
+    struct console *console;
+    const char *path;
+};
+
+static void log_named(void *user, enum stp_log_level level, const char *line)
+{
+    const struct named *named = user;
+    char whole[2048];
+    snprintf(whole, sizeof whole, "%s: %s", named->path, line);
+    named->console->env.log(named->console, level, whole);
+}
+
+static void progress_named(void *user, const char *stage, double fraction)
+{
+    const struct named *named = user;
+    named->console->env.progress(named->console, stage, fraction);
+}
+
+static enum stp_result prepare_named(struct console *console, const char *path,
+                                     struct stp_scene *scene,
+                                     const struct stp_prepare_params *params)
+{
+    struct named named = { console, path };
+    struct stp_env env = {
+        .threads = console->env.threads,
+        .log = log_named,
+        .progress = console->env.progress ? progress_named : NULL,
+        .user = &named,
+    };
+    return stp_scene_prepare(&env, scene, params);
+}
+
+int load_and_prepare(struct console *console, const struct settings *settings, const char *path,
+                     struct stp_scene **scene, struct run_times *times)
+{
+    struct stp_scene *loaded = NULL;
+    double start = seconds_now();
+    enum stp_result result = stp_scene_load(&console->env, path, &settings->load, &loaded);
+    double middle = seconds_now();
+    if (result == STP_OK)
+        result = prepare_named(console, path, loaded, &settings->prepare);
+    if (times)
+        *times = (struct run_times){ .load = (middle - start) * 1e3,
+                                     .prepare = (seconds_now() - middle) * 1e3 };
+    if (result == STP_OK)
+        *scene = loaded;
+    else
+        stp_scene_destroy(&loaded);
+    return exit_of_input(result);
+}
+
+static bool frames_scene(const struct settings *settings)
+{
+    return option_given(settings, "view") || option_given(settings, "fov") ||
+           option_given(settings, "ortho");
+}
+
+bool camera_usage_right(const struct settings *settings)
+{
+    if (!settings->camera || !frames_scene(settings))
+        return true;
+    wrong_usage(settings->command, "--camera excludes --view, --fov and --ortho");
+    return false;
+}
+
+static enum stp_result frame_scene(const struct settings *settings, const struct stp_scene *scene,
+                                   struct stp_camera *camera)
+{
+    struct stp_frame_params frame = settings->frame;
+    frame.up = settings->load.up;
+    if (!option_given(settings, "view")) {
+        frame.azimuth = STP_ISO_AZIMUTH;
+        frame.elevation = STP_ISO_ELEVATION;
+    }
+    return stp_camera_frame(scene, &frame, camera);
+}
+
+int find_camera(struct console *console, const struct settings *settings,
+                const struct stp_scene *scene, uint32_t frame, struct stp_camera *camera,
+                uint32_t *count)
+{
+    uint32_t width = settings->frame.width, height = settings->frame.height;
+    if (count)
+        *count = 1;
+    if (settings->camera)
+        return exit_of_input(
+            stp_camera_load(&console->env, settings->camera, frame, width, height, camera, count));
+    if (!frames_scene(settings) && stp_scene_camera(scene, width, height, camera))
+        return EXIT_DONE;
+    return exit_of_input(frame_scene(settings, scene, camera));
+}
+
+int group_if_needed(struct console *console, const struct settings *settings,
+                    struct stp_scene *scene, const struct stp_limits *limits)
+{
+    const struct stp_facts *facts = stp_scene_facts(scene);
+    if (facts->grouping.groups || !stp_plan_needs_groups(facts, &settings->render, limits))
+        return EXIT_DONE;
+    if (stp_scene_group(&console->env, scene, &settings->group) == STP_OK)
+        return EXIT_DONE;
+    return EXIT_FAILED;
+}
