@@ -284,7 +284,7 @@ static void search_is_bounded(void **state)
         memset(s.normal[i], 0, sizeof s.normal[i]);
         s.normal[i][2] = 1;
     }
-    struct overlap_params p = { 1, STP_RELAX_COPLANAR, NULL, 1000 };
+    struct overlap_params p = { 1, STP_RELAX_COPLANAR, NULL, 1000000 };
     struct overlap_graph g = { 0 };
     bool overload = false;
     assert_int_equal(overlap_graph_build(NULL, &s, &p, &g, &overload), STP_OK);
