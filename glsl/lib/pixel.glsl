@@ -20,9 +20,11 @@ vec2 pixel_center(uvec2 p)
     return vec2(p + uvec2(frame.tile_x, frame.tile_y)) + 0.5;
 }
 
-// Both halves of a dispatch run at once on a CPU device; neighbours then share its cache.
+// Workgroups come in rows. Both halves of a dispatch run at once on a CPU device: neighbours in
+// this order then share its cache. May reach past what was asked for: compare with the count.
 uint workgroup_index()
 {
-    uint g = gl_WorkGroupID.x, count = gl_NumWorkGroups.x, half_ = (count + 1) / 2;
-    return g < half_ ? 2 * g : 2 * (g - half_) + 1;
+    uint g = gl_WorkGroupID.y * gl_NumWorkGroups.x + gl_WorkGroupID.x;
+    uint count = gl_NumWorkGroups.x * gl_NumWorkGroups.y, first = (count + 1) / 2;
+    return g < first ? 2 * g : 2 * (g - first) + 1;
 }

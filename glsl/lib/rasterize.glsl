@@ -37,7 +37,7 @@ void touch_blocks(ivec4 box)
 // A workgroup a splat; its threads step through the rectangle together.
 void main()
 {
-    uint index = gl_WorkGroupID.y * 32768u + gl_WorkGroupID.x;
+    uint index = gl_WorkGroupID.y * STP_ROW + gl_WorkGroupID.x;
     if (index >= frame.work.v[STP_WORK_LARGE + 3])
         return;
     uint id = frame.large.v[index];
@@ -64,8 +64,8 @@ void defer_large(uint id)
 {
     uint slot = atomicAdd(frame.work.v[STP_WORK_LARGE + 3], 1);
     frame.large.v[slot] = id;
-    atomicMax(frame.work.v[STP_WORK_LARGE], min(slot + 1, 32768u));
-    atomicMax(frame.work.v[STP_WORK_LARGE + 1], slot / 32768u + 1);
+    atomicMax(frame.work.v[STP_WORK_LARGE], min(slot + 1, STP_ROW));
+    atomicMax(frame.work.v[STP_WORK_LARGE + 1], slot / STP_ROW + 1);
 }
 #endif
 

@@ -5,11 +5,16 @@ layout(local_size_x = STP_GROUP) in;
 
 bool resolve_pixel(out uvec2 p, out uint pixel)
 {
+    uint count = frame.blocks_x * frame.blocks_y;
 #ifdef ALL_BLOCKS
     uint block = workgroup_index();
+    if (block >= count)
+        return false;
 #else
-    uint count = frame.blocks_x * frame.blocks_y;
-    uint block = frame.work.v[STP_WORK_FLAGS + count + workgroup_index()];
+    uint index = workgroup_index();
+    if (index >= frame.work.v[STP_WORK_BLOCKS + 3])
+        return false;
+    uint block = frame.work.v[STP_WORK_FLAGS + count + index];
 #endif
     pixel = block * STP_GROUP + gl_LocalInvocationIndex;
     return block_pixel(block, gl_LocalInvocationIndex, p);

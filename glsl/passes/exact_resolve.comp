@@ -29,10 +29,13 @@ void sums_add(inout Sums s, float w, vec3 normal, float above, uint id)
 void overflowed(uint pixel)
 {
     atomicAdd(frame.work.v[STP_WORK_OVERFLOW], 1);
-    atomicMax(frame.work.v[STP_WORK_REPAIR], (frame.splat_count + STP_GROUP - 1) / STP_GROUP);
+    uint groups = (frame.splat_count + STP_GROUP - 1) / STP_GROUP;
+    atomicMax(frame.work.v[STP_WORK_REPAIR], min(groups, STP_ROW));
+    atomicMax(frame.work.v[STP_WORK_REPAIR + 1], (groups + STP_ROW - 1) / STP_ROW);
     atomicMax(frame.work.v[STP_WORK_REPAIR_L], frame.work.v[STP_WORK_LARGE]);
     atomicMax(frame.work.v[STP_WORK_REPAIR_L + 1], frame.work.v[STP_WORK_LARGE + 1]);
     atomicMax(frame.work.v[STP_WORK_REPAIR_BLOCKS], gl_NumWorkGroups.x);
+    atomicMax(frame.work.v[STP_WORK_REPAIR_BLOCKS + 1], gl_NumWorkGroups.y);
     for (uint i = 0; i < STP_SUM_WORDS; i++)
         frame.keys.v[pixel * STP_SLOTS + i] = i == 0 ? ~0ul : 0ul;
 }

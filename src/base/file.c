@@ -143,7 +143,7 @@ enum stp_result file_begin(const struct stp_env *env, const char *path, struct f
     struct file_output begun = { 0 };
     size_t length = strlen(path) + 16;
     begun.path = mem_alloc(length, 1);
-    begun.temporary = mem_alloc(length, 1);
+    begun.temporary = mem_zalloc(length, 1); /* "": there is nothing to remove yet */
     if (!begun.path || !begun.temporary) {
         file_abandon(&begun);
         return log_no_memory(env, length, path);

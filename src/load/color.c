@@ -42,6 +42,8 @@ struct encoding color_encoding(const float *value, size_t count, enum scale scal
 {
     if (scale == SCALE_LINEAR)
         return (struct encoding){ .divisor = 1 };
+    if (scale == SCALE_BYTE)
+        return (struct encoding){ .divisor = 255, .integer = true };
     struct summary s = summarise(value, count);
     if (scale == SCALE_UINT8 && s.whole)
         return (struct encoding){ .divisor = 255, .integer = true };
@@ -68,28 +70,33 @@ struct decode {
     bool srgb, integer;
 };
 
-/* Signed 8- and 16-bit columns hold the upper half as negative numbers. */
-static double unwrap(double value, const struct decode *decode)
+/* An integer in 0..divisor: signed columns hold the upper half as negative numbers, and text may
+ * hold anything. */
+static double integer_of(float value, double divisor)
 {
-    if (!decode->integer || value >= 0)
-        return value;
-    return value + decode->divisor + 1;
+    double unsigned_value = value < 0 ? value + divisor + 1 : value;
+    if (unsigned_value >= 0 && unsigned_value <= divisor)
+        return unsigned_value;
+    return unsigned_value > 0 ? divisor : 0;
 }
 
 static void decode_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct decode *decode = context;
     for (size_t i = begin; i < end; i++) {
-        double value = unwrap(decode->value[i], decode);
-        if (decode->integer && !(value >= 0 && value <= decode->divisor))
-            value = value > 0 ? decode->divisor : 0;
-        if (decode->table && value == (double)(unsigned)value)
-            decode->value[i] = decode->table[(unsigned)value];
-        else if (decode->srgb)
-            decode->value[i] = (float)color_from_srgb(value / decode->divisor);
-        else
-            decode->value[i] = (float)(value / decode->divisor);
+        double value = decode->value[i];
+        if (decode->integer)
+            value = integer_of(decode->value[i], decode->divisor);
+        value /= decode->divisor;
+        decode->value[i] = (float)(decode->srgb ? color_from_srgb(value) : value);
     }
+}
+
+static void look_up_range(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct decode *decode = context;
+    for (size_t i = begin; i < end; i++)
+        decode->value[i] = decode->table[(unsigned)integer_of(decode->value[i], decode->divisor)];
 }
 
 /* Only where it is read more often than it costs. */
@@ -111,7 +118,7 @@ static void decode_all(const struct stp_env *env, struct decode *decode, size_t 
     /* Without memory for the table every value is computed: slower, the same bits. */
     float *table = decode_table(decode, count);
     decode->table = table;
-    parallel_for(env, count, 1 << 16, decode_range, decode);
+    parallel_for(env, count, 1 << 16, table ? look_up_range : decode_range, decode);
     mem_free(table);
 }
 

@@ -7,7 +7,8 @@
 /* How a column stores a component. */
 enum scale {
     SCALE_LINEAR = 0, /* exactly what is wanted: prepared files */
-    SCALE_UINT8,      /* 0..255 */
+    SCALE_BYTE,       /* 0..255, whole for certain: a binary file */
+    SCALE_UINT8,      /* 0..255, unless the text holds fractions */
     SCALE_INTEGER,    /* 8 bits when nothing is above 255, else 16, else 32 */
     SCALE_FLOAT,      /* 0..1 and above, unless the values are plainly 0..255 */
     SCALE_TEXT,       /* no type was declared: whole numbers above 1 are integers, else floats */

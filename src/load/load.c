@@ -45,25 +45,35 @@ static const struct reader *find_reader(const struct file_bytes *bytes)
     return NULL;
 }
 
+enum stp_result load_from_bytes(const struct stp_env *env, const char *path,
+                                const struct file_bytes *bytes, const struct load_options *options,
+                                struct cloud *cloud)
+{
+    static const struct load_options defaults;
+    const struct reader *reader = find_reader(bytes);
+    struct cloud read = { 0 };
+    if (!reader)
+        return refuse(env, path, bytes);
+    enum stp_result result = reader->read(env, path, bytes, options ? options : &defaults, &read);
+    if (result != STP_OK)
+        return result;
+    if (bytes->inflated)
+        strncat(read.format, ", gzip", sizeof read.format - strlen(read.format) - 1);
+    *cloud = read;
+    return STP_OK;
+}
+
 enum stp_result load_points(const struct stp_env *env, const char *path,
                             const struct load_options *options, struct cloud *cloud)
 {
-    static const struct load_options defaults;
     struct file_bytes bytes;
     log_progress(env, "load", 0);
     enum stp_result result = file_read(env, path, &bytes);
     if (result != STP_OK)
         return result;
-    const struct reader *reader = find_reader(&bytes);
-    struct cloud read;
-    result = reader ? reader->read(env, path, &bytes, options ? options : &defaults, &read)
-                    : refuse(env, path, &bytes);
-    if (result == STP_OK && bytes.inflated)
-        strncat(read.format, ", gzip", sizeof read.format - strlen(read.format) - 1);
+    result = load_from_bytes(env, path, &bytes, options, cloud);
     file_release(&bytes);
-    if (result != STP_OK)
-        return result;
-    *cloud = read;
-    log_progress(env, "load", 1);
-    return STP_OK;
+    if (result == STP_OK)
+        log_progress(env, "load", 1);
+    return result;
 }

@@ -54,7 +54,7 @@ static enum scale scale_of(const struct ply_header *header, enum ply_type type)
     if (header->prepared)
         return SCALE_LINEAR;
     if (type == PLY_INT8 || type == PLY_UINT8)
-        return SCALE_UINT8;
+        return header->encoding == PLY_ASCII ? SCALE_UINT8 : SCALE_BYTE;
     return type >= PLY_FLOAT32 ? SCALE_FLOAT : SCALE_INTEGER;
 }
 

@@ -23,6 +23,11 @@ enum stp_result xyz_read(const struct stp_env *env, const char *path,
                          const struct file_bytes *bytes, const struct load_options *options,
                          struct cloud *cloud);
 
+/* What load_points does with the bytes of a file. */
+enum stp_result load_from_bytes(const struct stp_env *env, const char *path,
+                                const struct file_bytes *bytes, const struct load_options *options,
+                                struct cloud *cloud);
+
 /* What a file that is not read is, and what to do about it; false when its kind is not known. */
 struct known_format {
     const char *name, *advice;

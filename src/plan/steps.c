@@ -155,6 +155,7 @@ void plan_blocks(struct stp_plan *plan)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "blocks");
     pass->shader = PLAN_SHADER_BLOCKS;
+    pass->groups = (uint32_t)((plan_pixels(plan) / STP_GROUP + STP_GROUP - 1) / STP_GROUP);
     plan_updates(plan, pass, PLAN_WORK);
 }
 

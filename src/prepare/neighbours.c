@@ -158,6 +158,13 @@ static void box_distances(const struct query *q, const struct tree_boxes *boxes,
     }
 }
 
+static size_t first_point(unsigned level, size_t child)
+{
+    for (; level > 0; level--)
+        child *= TREE_FAN;
+    return child * TREE_LEAF;
+}
+
 /* Children nearer than the k-th so far, nearest first. */
 static void visit(struct query *q, unsigned level, size_t node)
 {
@@ -175,6 +182,8 @@ static void visit(struct query *q, unsigned level, size_t node)
     }
     for (unsigned i = 0; i < wanted && distance[order[i]] <= q->worst; i++) {
         size_t child = node * TREE_FAN + order[i];
+        if (distance[order[i]] == q->worst && first_point(level, child) > q->best->id[q->k - 1])
+            continue; /* ties go to lower ids */
         if (level > 0)
             visit(q, level - 1, child);
         else if (child + 1 < q->own_leaf || child > q->own_leaf + 1)

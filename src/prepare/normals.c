@@ -25,22 +25,35 @@ size_t normals_unknown(const struct splats *s)
 
 struct mend {
     const struct splats *splats;
+    const struct places *places;
     const struct neighbour_tree *tree;
     const uint32_t *bad;
     float (*normal)[3]; /* of the bad ones: the given ones stay readable */
 };
 
+/* A known one of the place; 0: there is none. Canonical order puts unknown normals, whose bits are
+ * all 0, before known ones: the last splat of a place tells. */
+static struct vec3 normal_of_place(const struct mend *m, size_t place)
+{
+    bool last = place + 1 == m->places->count;
+    size_t end = last ? m->splats->count : splat_of(m->places, place + 1);
+    return v3_loadf(m->splats->normal[end - 1]);
+}
+
 static struct vec3 mended_normal(const struct mend *m, size_t i)
 {
     struct surrounding around;
-    struct vec3 sum = v3(0, 0, 0), nearest = v3(0, 0, 0);
-    surrounding_of(m->tree, i, &around);
+    size_t place = place_of(m->places, i);
+    struct vec3 sum = v3(0, 0, 0), nearest = v3(0, 0, 0), own = normal_of_place(m, place);
+    if (v3_length(own) > 0)
+        return own;
+    surrounding_of(m->tree, place, &around);
     for (unsigned k = SURROUND_GRAPH; k-- > 0;) {
-        uint32_t j = around.neighbour[k];
-        if (j == NO_NEIGHBOUR || normal_is_unknown(m->splats->normal[j]))
+        if (around.neighbour[k] == NO_NEIGHBOUR)
             continue;
-        nearest = v3_loadf(m->splats->normal[j]);
-        sum = v3_add(sum, nearest);
+        struct vec3 normal = normal_of_place(m, around.neighbour[k]);
+        nearest = v3_length(normal) > 0 ? normal : nearest;
+        sum = v3_add(sum, normal);
     }
     if (v3_length(sum) > 0.1)
         return v3_unit(sum);
@@ -60,11 +73,11 @@ static void mend_range(void *context, size_t begin, size_t end, unsigned worker)
 }
 
 enum stp_result normals_mend(const struct stp_env *env, struct splats *s,
-                             const struct neighbour_tree *tree)
+                             const struct places *places, const struct neighbour_tree *tree)
 {
     size_t unknown = normals_unknown(s), at = 0;
     uint32_t *bad = mem_alloc(unknown, sizeof *bad);
-    struct mend m = { s, tree, bad, mem_alloc(unknown, sizeof *m.normal) };
+    struct mend m = { s, places, tree, bad, mem_alloc(unknown, sizeof *m.normal) };
     if (bad && m.normal) {
         for (size_t i = 0; i < s->count; i++)
             if (normal_is_unknown(s->normal[i]))

@@ -3,14 +3,15 @@
 #define STP_PREPARE_NORMALS_H
 
 #include "prepare/surroundings.h"
-#include "scene/splats.h"
+#include "prepare/places.h"
 
 bool normal_is_unknown(const float normal[3]);
 size_t normals_unknown(const struct splats *splats); /* all of them where normal is NULL */
 
-/* Bad normals (0) among good ones: the average of the good ones among the neighbours; where they
+/* Bad normals (0) among good ones: a good one of the same place; else the average of the good ones
+ * among the neighbours; where they
  * cancel, the normal of the least-squares plane, on the side of the nearest good one. */
 enum stp_result normals_mend(const struct stp_env *env, struct splats *splats,
-                             const struct neighbour_tree *tree);
+                             const struct places *places, const struct neighbour_tree *tree);
 
 #endif

@@ -1,5 +1,7 @@
 #include "prepare/object.h"
 
+#include <string.h>
+
 #include "base/log.h"
 #include "base/memory.h"
 #include "prepare/collect.h"
@@ -13,7 +15,8 @@
 /* What an object lacks, and the tree that finds it. */
 struct need {
     struct splats *splats;
-    struct neighbour_tree tree; /* built only when something is missing */
+    struct places places; /* found, and the tree built, only when something is missing */
+    struct neighbour_tree tree;
     bool all_normals, some_normals, radii, monsters;
     float median; /* of the given radii */
 };
@@ -46,7 +49,8 @@ static enum stp_result drop_monsters(const struct stp_env *env, struct need *nee
     if (!need->monsters)
         return STP_OK;
     enum stp_result result =
-        radii_blank_monsters(env, &need->tree, need->splats->radius, need->median, &count);
+        radii_blank_monsters(env, &need->places, &need->tree, need->splats->radius,
+                             need->splats->count, need->median, &count);
     if (result != STP_OK)
         return result;
     facts->bad_radii += count;
@@ -65,30 +69,46 @@ static enum stp_result fill_radii(const struct stp_env *env, struct need *need,
         s->radius = mem_zalloc(s->count, sizeof *s->radius);
     if (!s->radius)
         return log_no_memory(env, s->count * sizeof *s->radius, "radii");
-    enum stp_result result = radii_fill(env, &need->tree, all, s->radius, &outliers);
+    enum stp_result result = radii_fill(env, &need->places, all, s->radius, s->count, &outliers);
     if (result == STP_OK)
         facts->outliers += outliers;
     return result;
+}
+
+/* A normal a place becomes a normal a splat. */
+static enum stp_result spread_normals(const struct stp_env *env, const struct need *need,
+                                      struct surroundings *all)
+{
+    struct splats *s = need->splats;
+    mem_free(s->normal);
+    s->normal = all->normal;
+    all->normal = NULL;
+    if (!need->places.of)
+        return STP_OK;
+    float(*of_place)[3] = s->normal;
+    s->normal = mem_alloc(s->count, sizeof *s->normal);
+    for (size_t i = 0; s->normal && i < s->count; i++)
+        memcpy(s->normal[i], of_place[need->places.of[i]], sizeof s->normal[i]);
+    mem_free(of_place);
+    return s->normal ? STP_OK : log_no_memory(env, s->count * sizeof *s->normal, "normals");
 }
 
 /* Both come from the same neighbours: they are looked for once. */
 static enum stp_result fill_from_surroundings(const struct stp_env *env, struct need *need,
                                               struct vec3 up, struct stp_facts *facts)
 {
-    struct splats *s = need->splats;
     struct surroundings all;
     if (!need->all_normals && !need->radii)
         return STP_OK;
     enum stp_result result = surroundings_find(env, &need->tree, need->all_normals, &all);
     if (result != STP_OK)
         return result;
+    neighbour_tree_release(&need->tree); /* its work is done: orientation needs the room */
     result = fill_radii(env, need, &all, facts);
-    if (need->all_normals && result == STP_OK) {
-        mem_free(s->normal);
-        s->normal = all.normal;
-        all.normal = NULL;
-        result = orient_normals(env, s, (const uint32_t(*)[SURROUND_GRAPH])all.neighbour, up);
-    }
+    if (need->all_normals && result == STP_OK)
+        result = orient_normals(env, &need->places, &all, up);
+    if (need->all_normals && result == STP_OK)
+        result = spread_normals(env, need, &all);
     surroundings_release(&all);
     return result;
 }
@@ -101,14 +121,17 @@ static enum stp_result complete(const struct stp_env *env, struct need *need, st
     bool any = need->all_normals || need->some_normals || need->radii || need->monsters;
     if (result != STP_OK || !any)
         return result;
-    result = neighbour_tree_build(env, (const double(*)[3])s->position, s->count, &need->tree);
+    result = places_find(env, s, &need->places);
+    if (result == STP_OK)
+        result = neighbour_tree_build(env, need->places.position, need->places.count, &need->tree);
     if (result == STP_OK)
         result = drop_monsters(env, need, facts);
     if (result == STP_OK && need->some_normals)
-        result = normals_mend(env, s, &need->tree);
+        result = normals_mend(env, s, &need->places, &need->tree);
     if (result == STP_OK)
         result = fill_from_surroundings(env, need, up, facts);
     neighbour_tree_release(&need->tree);
+    places_release(&need->places);
     return result;
 }
 

@@ -6,20 +6,28 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
-#include "prepare/radix.h"
 
-#define BLOCK        16384
+#define WEIGHTS      4096
 #define NO_COMPONENT UINT32_MAX
+
+/* What is turned. */
+struct surface {
+    size_t count;
+    const double (*position)[3];
+    float (*normal)[3];
+    const float *spacing;
+    const uint32_t (*neighbour)[SURROUND_GRAPH];
+};
 
 /* --- edges ------------------------------------------------------------------------------- */
 
+/* Edges as SURROUND_GRAPH times the point, plus which neighbour; sorted by weight by counting, so
+ * that nothing but this one array is needed. Ties stay in the order of ids. */
 struct edges {
-    const struct splats *splats;
-    const uint32_t (*neighbour)[SURROUND_GRAPH];
-    size_t count;
-    size_t *first;  /* a block */
-    uint64_t *key;  /* quantised weight; stable sorting breaks ties by id */
-    uint32_t *slot; /* SURROUND_GRAPH times the point, plus which neighbour */
+    const struct surface *surface;
+    size_t count, block;
+    uint32_t *slot;
+    size_t (*bins)[WEIGHTS]; /* a block: counts, then where the next edge of a weight goes */
 };
 
 static bool is_unknown(const float n[3])
@@ -30,68 +38,70 @@ static bool is_unknown(const float n[3])
 /* An edge that both ends list is that of the lower one. */
 static bool owns_edge(const struct edges *e, size_t i, uint32_t j)
 {
-    if (j == NO_NEIGHBOUR || is_unknown(e->splats->normal[j]))
+    if (j == NO_NEIGHBOUR || is_unknown(e->surface->normal[j]))
         return false;
     if (i < j)
         return true;
     for (unsigned k = 0; k < SURROUND_GRAPH; k++)
-        if (e->neighbour[j][k] == i)
+        if (e->surface->neighbour[j][k] == i)
             return false;
     return true;
 }
 
-static double dot_normals(const struct splats *s, size_t i, size_t j)
+static double dot_normals(const struct surface *s, size_t i, size_t j)
 {
     return v3_dot(v3_loadf(s->normal[i]), v3_loadf(s->normal[j]));
 }
 
+/* Linear in the angle between the planes, where that is small. */
+static unsigned weight_of(const struct surface *s, size_t i, uint32_t j)
+{
+    double weight = 1 - fabs(dot_normals(s, i, j));
+    return weight > 0 ? (unsigned)(sqrt(weight) * (WEIGHTS - 1)) : 0;
+}
+
+/* Counts, and the second time places. */
 static void edge_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct edges *e = context;
-    size_t at = e->key ? e->first[begin / BLOCK] : 0;
+    size_t *bins = e->bins[begin / e->block];
     for (size_t i = begin; i < end; i++)
-        for (unsigned k = 0; k < SURROUND_GRAPH && !is_unknown(e->splats->normal[i]); k++) {
-            uint32_t j = e->neighbour[i][k];
+        for (unsigned k = 0; k < SURROUND_GRAPH && !is_unknown(e->surface->normal[i]); k++) {
+            uint32_t j = e->surface->neighbour[i][k];
             if (!owns_edge(e, i, j))
                 continue;
-            if (e->key) {
-                double weight = 1 - fabs(dot_normals(e->splats, i, j));
-                e->key[at] = (uint64_t)(fmax(weight, 0) * 65535.0);
+            size_t at = bins[weight_of(e->surface, i, j)]++;
+            if (e->slot)
                 e->slot[at] = (uint32_t)(i * SURROUND_GRAPH + k);
-            }
-            at++;
         }
-    if (!e->key)
-        e->first[begin / BLOCK] = at;
 }
 
-static void edges_release(struct edges *e)
+static void prefix_sums(struct edges *e, size_t blocks)
 {
-    mem_free(e->first);
-    mem_free(e->key);
-    mem_free(e->slot);
+    for (unsigned weight = 0; weight < WEIGHTS; weight++)
+        for (size_t block = 0; block < blocks; block++) {
+            size_t here = e->bins[block][weight];
+            e->bins[block][weight] = e->count;
+            e->count += here;
+        }
 }
 
-/* Lightest first. */
+/* Lightest first. Stable, so the number of blocks does not show. */
 static enum stp_result edges_build(const struct stp_env *env, struct edges *e)
 {
-    size_t points = e->splats->count, blocks = (points + BLOCK - 1) / BLOCK;
-    e->first = mem_alloc(blocks, sizeof *e->first);
-    if (!e->first)
-        return log_no_memory(env, blocks * sizeof *e->first, "edges");
-    parallel_for(env, points, BLOCK, edge_range, e);
-    for (size_t block = 0; block < blocks; block++) {
-        size_t here = e->first[block];
-        e->first[block] = e->count;
-        e->count += here;
-    }
-    uint64_t *key = mem_alloc(e->count, sizeof *key);
+    size_t points = e->surface->count, threads = thread_count(env);
+    e->block = (points + threads - 1) / threads;
+    size_t blocks = (points + e->block - 1) / e->block;
+    e->bins = mem_zalloc(blocks, sizeof *e->bins);
+    if (!e->bins)
+        return log_no_memory(env, blocks * sizeof *e->bins, "edges");
+    parallel_for(env, points, e->block, edge_range, e);
+    prefix_sums(e, blocks);
     e->slot = mem_alloc(e->count, sizeof *e->slot);
-    e->key = key;
-    if (!e->key || !e->slot)
-        return log_no_memory(env, e->count * 12, "edges");
-    parallel_for(env, points, BLOCK, edge_range, e);
-    return radix_sort(env, e->count, e->key, e->slot);
+    if (e->slot)
+        parallel_for(env, points, e->block, edge_range, e);
+    mem_free(e->bins);
+    return e->slot ? STP_OK : log_no_memory(env, e->count * sizeof *e->slot, "edges");
 }
 
 /* --- a spanning forest that knows, for each point, whether it is turned against its root ----- */
@@ -128,19 +138,20 @@ static void join(struct forest *f, uint32_t i, uint32_t j, bool opposed)
 
 static void grow_forest(struct forest *f, const struct edges *e)
 {
-    for (size_t i = 0; i < e->splats->count; i++) {
+    for (size_t i = 0; i < e->surface->count; i++) {
         f->parent[i] = (uint32_t)i;
         f->size[i] = 1;
         f->against[i] = 0;
     }
     for (size_t n = 0; n < e->count; n++) {
-        uint32_t i = e->slot[n] / SURROUND_GRAPH, j = e->neighbour[i][e->slot[n] % SURROUND_GRAPH];
-        join(f, i, j, dot_normals(e->splats, i, j) < 0);
+        uint32_t i = e->slot[n] / SURROUND_GRAPH,
+                 j = e->surface->neighbour[i][e->slot[n] % SURROUND_GRAPH];
+        join(f, i, j, dot_normals(e->surface, i, j) < 0);
     }
 }
 
 /* Turns each splat to the side of its root; parent[i] becomes the root of i. */
-static void turn_to_root(struct forest *f, struct splats *s)
+static void turn_to_root(struct forest *f, const struct surface *s)
 {
     for (size_t i = 0; i < s->count; i++) {
         uint8_t against;
@@ -199,7 +210,7 @@ static bool is_inward(const struct component *c, struct vec3 up)
 }
 
 /* Sums run in canonical order. component[i] is NO_COMPONENT where the normal is unknown. */
-static void measure_components(const struct splats *s, const uint32_t *component,
+static void measure_components(const struct surface *s, const uint32_t *component,
                                struct component *c, struct vec3 origin)
 {
     for (size_t i = 0; i < s->count; i++) {
@@ -212,10 +223,10 @@ static void measure_components(const struct splats *s, const uint32_t *component
     for (size_t i = 0; i < s->count; i++)
         if (component[i] != NO_COMPONENT)
             add_to_component(&c[component[i]], v3_sub(v3_load(s->position[i]), origin),
-                             v3_loadf(s->normal[i]), (double)s->radius[i]);
+                             v3_loadf(s->normal[i]), (double)s->spacing[i]);
 }
 
-static void turn_outward(struct splats *s, const uint32_t *component, struct component *c,
+static void turn_outward(const struct surface *s, const uint32_t *component, struct component *c,
                          size_t count, struct vec3 up)
 {
     for (size_t i = 0; i < count; i++)
@@ -227,7 +238,7 @@ static void turn_outward(struct splats *s, const uint32_t *component, struct com
 }
 
 /* root[i] -> dense numbers in the order of their first splats; returns how many. */
-static size_t number_components(const struct splats *s, uint32_t *root, uint32_t *scratch)
+static size_t number_components(const struct surface *s, uint32_t *root, uint32_t *scratch)
 {
     size_t components = 0;
     memset(scratch, 0xff, s->count * sizeof *scratch);
@@ -241,8 +252,8 @@ static size_t number_components(const struct splats *s, uint32_t *root, uint32_t
     return components;
 }
 
-static enum stp_result orient(const struct stp_env *env, struct splats *s, struct edges *edges,
-                              struct forest *f, struct vec3 up)
+static enum stp_result orient(const struct stp_env *env, const struct surface *s,
+                              struct edges *edges, struct forest *f, struct vec3 up)
 {
     enum stp_result result = edges_build(env, edges);
     if (result != STP_OK)
@@ -259,22 +270,24 @@ static enum stp_result orient(const struct stp_env *env, struct splats *s, struc
     return STP_OK;
 }
 
-enum stp_result orient_normals(const struct stp_env *env, struct splats *splats,
-                               const uint32_t (*neighbour)[SURROUND_GRAPH], struct vec3 up)
+enum stp_result orient_normals(const struct stp_env *env, const struct places *places,
+                               struct surroundings *all, struct vec3 up)
 {
-    size_t count = splats->count;
+    size_t count = places->count;
     if (count > UINT32_MAX / SURROUND_GRAPH)
         return log_error(env, STP_ERROR_MEMORY, "normals can be estimated for %u points at most",
                          UINT32_MAX / SURROUND_GRAPH);
-    struct edges edges = { .splats = splats, .neighbour = neighbour };
+    struct surface surface = { count, places->position, all->normal, all->spacing,
+                               (const uint32_t(*)[SURROUND_GRAPH])all->neighbour };
+    struct edges edges = { .surface = &surface };
     struct forest f = { mem_alloc(count, sizeof *f.parent), mem_alloc(count, sizeof *f.size),
                         mem_alloc(count, sizeof *f.against) };
     enum stp_result result = STP_OK;
     if (!f.parent || !f.size || !f.against)
         result = log_no_memory(env, count * 9, "the orientation of normals");
     else if (count > 0)
-        result = orient(env, splats, &edges, &f, up);
-    edges_release(&edges);
+        result = orient(env, &surface, &edges, &f, up);
+    mem_free(edges.slot);
     mem_free(f.parent);
     mem_free(f.size);
     mem_free(f.against);

@@ -4,7 +4,7 @@
 
 #include "base/vec.h"
 #include "prepare/surroundings.h"
-#include "scene/splats.h"
+#include "prepare/places.h"
 
 /* Turns normals along a minimum spanning tree of the neighbour graph, edges weighing 1 - |n.n|
  * (Hoppe et al. 1992), then each connected component outward:
@@ -13,8 +13,8 @@
  *  - else by the six extreme points of the component, whose outward normals look along the axes;
  *  - else (an open, nearly flat sheet) so that the mean normal looks up, or along the first axis
  *    that it has a component along.
- * Positions and radii must be set. Unknown normals (0) stay. Deterministic. */
-enum stp_result orient_normals(const struct stp_env *env, struct splats *splats,
-                               const uint32_t (*neighbour)[SURROUND_GRAPH], struct vec3 up);
+ * all->spacing stands for r. Unknown normals (0) stay. Deterministic. */
+enum stp_result orient_normals(const struct stp_env *env, const struct places *places,
+                               struct surroundings *all, struct vec3 up);
 
 #endif

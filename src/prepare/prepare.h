@@ -75,12 +75,13 @@ enum stp_result largest_first_color(const struct stp_env *env, const struct over
  * - A splat equal to its predecessor in every attribute takes that one's group and no part in the
  *   graph: either of them winning a pixel gives the same fragment, counted once instead of twice.
  * - Where more than max_groups are needed, c is lowered, by bisection in 64ths of the way to
- *   GROUP_MIN_OVERLAP. Where that is not enough either there are heaps: splats that are crowded at
- *   GROUP_MIN_OVERLAP (max_groups / 2 others, or max_groups - 1 up to 8, that overlap them there
- * precede them, by radius descending, then id) leave the graph and are spread over the groups in
- * turn, and the rest starts again from the asked c, so that a heap in one place costs the rest
- * nothing. Warnings say so; facts.grouping.crowded counts the splats that may share a group with
- * one they overlap.
+ *   GROUP_MIN_OVERLAP.
+ * - Where that is not enough either there are heaps. Splats that are crowded at GROUP_MIN_OVERLAP
+ *   (max_groups / 2 others, or max_groups - 1 where that is 7 or less, overlap them there and
+ *   precede them by radius descending, then id) leave the graph and are spread over the groups in
+ *   turn; the rest starts again from the asked c, so that a heap costs it nothing.
+ * - Warnings say so; facts.grouping.crowded counts the splats that may share a group with one they
+ *   overlap.
  * - So a million coincident splats are grouped too, in time and memory in proportion. */
 #define GROUP_MIN_OVERLAP 0.1
 enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,

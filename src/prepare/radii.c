@@ -1,6 +1,7 @@
 #include "prepare/radii.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -20,18 +21,51 @@ bool radius_is_good(float radius)
     return radius >= SMALLEST && radius <= LARGEST;
 }
 
+#define HALF_BINS 65536
+
+/* The bits of positive floats order as they do: first the upper half, then the lower. */
+static void count_halves(const float *radius, size_t count, size_t *bins, const uint32_t *upper)
+{
+    for (size_t i = 0; i < count; i++) {
+        uint32_t bits;
+        if (!radius_is_good(radius[i]))
+            continue;
+        memcpy(&bits, &radius[i], sizeof bits);
+        if (!upper)
+            bins[bits >> 16]++;
+        else if (bits >> 16 == *upper)
+            bins[bits & (HALF_BINS - 1)]++;
+    }
+}
+
+/* The bin that holds the rank, which becomes a rank within it. */
+static uint32_t bin_of_rank(const size_t *bins, size_t *rank)
+{
+    uint32_t bin = 0;
+    for (; *rank >= bins[bin]; bin++)
+        *rank -= bins[bin];
+    return bin;
+}
+
 enum stp_result radii_median(const struct stp_env *env, const float *radius, size_t count,
                              float *median)
 {
-    double *good = mem_alloc(count, sizeof *good);
-    size_t n = 0;
-    if (!good)
-        return log_no_memory(env, count * sizeof *good, "the median radius");
-    for (size_t i = 0; i < count; i++)
-        if (radius_is_good(radius[i]))
-            good[n++] = (double)radius[i];
-    *median = n > 0 ? (float)select_rank(good, n, (n - 1) / 2) : 0;
-    mem_free(good);
+    size_t *bins = mem_zalloc(HALF_BINS, sizeof *bins), good = 0;
+    if (!bins)
+        return log_no_memory(env, HALF_BINS * sizeof *bins, "the median radius");
+    count_halves(radius, count, bins, NULL);
+    for (uint32_t bin = 0; bin < HALF_BINS; bin++)
+        good += bins[bin];
+    *median = 0;
+    if (good > 0) {
+        size_t rank = (good - 1) / 2;
+        uint32_t upper = bin_of_rank(bins, &rank);
+        memset(bins, 0, HALF_BINS * sizeof *bins);
+        count_halves(radius, count, bins, &upper);
+        uint32_t bits = upper << 16 | bin_of_rank(bins, &rank);
+        memcpy(median, &bits, sizeof bits);
+    }
+    mem_free(bins);
     return STP_OK;
 }
 
@@ -57,11 +91,12 @@ bool radii_are_suspect(const float *radius, size_t count, float median)
 }
 
 struct radii {
+    size_t count;
+    const struct places *places;
     const struct neighbour_tree *tree;
     const struct surroundings *all;
     float *radius;
-    float median;    /* of the radii, or of the spacings */
-    float otherwise; /* where there is no spacing at all */
+    float median; /* of the radii, or of the spacings */
     size_t *per_worker;
 };
 
@@ -72,7 +107,7 @@ static void monster_range(void *context, size_t begin, size_t end, unsigned work
         struct surrounding around;
         if (!is_suspect(r->radius[i], r->median))
             continue;
-        surrounding_of(r->tree, i, &around);
+        surrounding_of(r->tree, place_of(r->places, i), &around);
         if ((double)r->radius[i] > MONSTER_OF_SPACING * around.spacing) {
             r->radius[i] = 0;
             r->per_worker[worker]++;
@@ -88,7 +123,7 @@ static enum stp_result count_over(const struct stp_env *env, struct radii *r, ra
     r->per_worker = mem_zalloc(threads, sizeof *r->per_worker);
     if (!r->per_worker)
         return log_no_memory(env, threads * sizeof *r->per_worker, "counters");
-    parallel_for(env, r->tree->count, GRAIN, fn, r);
+    parallel_for(env, r->count, GRAIN, fn, r);
     *count = 0;
     for (unsigned worker = 0; worker < threads; worker++)
         *count += r->per_worker[worker];
@@ -96,10 +131,13 @@ static enum stp_result count_over(const struct stp_env *env, struct radii *r, ra
     return STP_OK;
 }
 
-enum stp_result radii_blank_monsters(const struct stp_env *env, const struct neighbour_tree *tree,
-                                     float *radius, float median, size_t *count)
+enum stp_result radii_blank_monsters(const struct stp_env *env, const struct places *places,
+                                     const struct neighbour_tree *tree, float *radius,
+                                     size_t splats, float median, size_t *count)
 {
-    struct radii r = { .tree = tree, .radius = radius, .median = median };
+    struct radii r = {
+        .count = splats, .places = places, .tree = tree, .radius = radius, .median = median
+    };
     return count_over(env, &r, monster_range, count);
 }
 
@@ -120,38 +158,39 @@ static void fill_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct radii *r = context;
     for (size_t i = begin; i < end; i++) {
-        double spacing = (double)r->all->spacing[i], local, bound;
+        size_t place = place_of(r->places, i);
+        double spacing = (double)r->all->spacing[place], local, bound;
         if (r->radius[i] > 0)
             continue;
-        local = local_median(r->all, i);
+        local = local_median(r->all, place);
         bound =
             fmin(local > 0 ? PLATE_OF_LOCAL * local : INFINITY, PLATE_OF_ALL * (double)r->median);
         if (!radius_is_good((float)spacing))
-            spacing = local > 0 ? local : (double)r->otherwise;
+            spacing = local > 0 ? local : (double)r->median;
         else if (spacing > bound)
             r->per_worker[worker]++;
         r->radius[i] = (float)fmin(fmax(fmin(spacing, bound), (double)SMALLEST), (double)LARGEST);
     }
 }
 
-static double largest_coordinate(const struct neighbour_tree *tree)
+static double largest_coordinate(const struct places *places)
 {
     double most = 0;
-    for (size_t i = 0; i < tree->count; i++)
+    for (size_t i = 0; i < places->count; i++)
         for (int axis = 0; axis < 3; axis++)
-            most = fmax(most, fabs(tree->position[i][axis]));
+            most = fmax(most, fabs(places->position[i][axis]));
     return most;
 }
 
-enum stp_result radii_fill(const struct stp_env *env, const struct neighbour_tree *tree,
-                           const struct surroundings *all, float *radius, size_t *outliers)
+enum stp_result radii_fill(const struct stp_env *env, const struct places *places,
+                           const struct surroundings *all, float *radius, size_t splats,
+                           size_t *outliers)
 {
-    struct radii r = { .tree = tree, .all = all, .radius = radius };
-    enum stp_result result = radii_median(env, all->spacing, tree->count, &r.median);
+    struct radii r = { .count = splats, .places = places, .all = all, .radius = radius };
+    enum stp_result result = radii_median(env, all->spacing, places->count, &r.median);
     if (result != STP_OK)
         return result;
     if (r.median == 0)
-        r.median = (float)fmax(1, 1e-6 * largest_coordinate(tree));
-    r.otherwise = r.median;
+        r.median = (float)fmax(1, 1e-6 * largest_coordinate(places));
     return count_over(env, &r, fill_range, outliers);
 }

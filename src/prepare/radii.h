@@ -2,13 +2,13 @@
 #ifndef STP_PREPARE_RADII_H
 #define STP_PREPARE_RADII_H
 
+#include "prepare/places.h"
 #include "prepare/surroundings.h"
-#include "scene/splats.h"
 
 /* A radius that a splat can have. */
 bool radius_is_good(float radius);
 
-/* Median of the good ones; 0: there are none. */
+/* Lower median of the good ones; 0: there are none. */
 enum stp_result radii_median(const struct stp_env *env, const float *radius, size_t count,
                              float *median);
 
@@ -17,14 +17,16 @@ size_t radii_unknown(const float *radius, size_t count);
 /* Whether some radius is so large against the median that radii_blank_monsters must look. */
 bool radii_are_suspect(const float *radius, size_t count, float median);
 /* Sets to 0 what exceeds 64 times the median and 8 times the local spacing; *count: how many. */
-enum stp_result radii_blank_monsters(const struct stp_env *env, const struct neighbour_tree *tree,
-                                     float *radius, float median, size_t *count);
+enum stp_result radii_blank_monsters(const struct stp_env *env, const struct places *places,
+                                     const struct neighbour_tree *tree, float *radius,
+                                     size_t splats, float median, size_t *count);
 
 /* Radii that are 0 become the spacing, at most 4 times the median spacing of the neighbours and 32
  * times the median of all, lest an outlier become a plate; *outliers counts those that were
  * bounded. Where everything coincides (or is one point): 1, or a millionth of the coordinates
  * where that is more. */
-enum stp_result radii_fill(const struct stp_env *env, const struct neighbour_tree *tree,
-                           const struct surroundings *all, float *radius, size_t *outliers);
+enum stp_result radii_fill(const struct stp_env *env, const struct places *places,
+                           const struct surroundings *all, float *radius, size_t splats,
+                           size_t *outliers);
 
 #endif

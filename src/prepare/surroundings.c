@@ -14,6 +14,9 @@
 #define ON_A_LINE    0.01
 #define NO_PLANE     1e-6
 #define SPACING_RANK 8
+/* Farther than that many spacings from the rest, a line of points is a wire, not a scan line. */
+#define WIRE  4.0
+#define SLICE ((size_t)1 << 18) /* between two reports of progress */
 
 struct plane {
     double value[3], vector[3][3];
@@ -43,35 +46,6 @@ static void fit_plane(const struct neighbour_tree *t, size_t i, const struct nei
     eigen_symmetric(covariance, plane->value, plane->vector);
 }
 
-static bool same_place(const struct neighbour_tree *t, uint32_t a, uint32_t b)
-{
-    return t->position[a][0] == t->position[b][0] && t->position[a][1] == t->position[b][1] &&
-           t->position[a][2] == t->position[b][2];
-}
-
-static bool is_repeated(const struct neighbour_tree *t, const struct neighbours *n, unsigned j)
-{
-    for (unsigned k = j; k-- > 0 && n->distance[k] == n->distance[j];)
-        if (same_place(t, n->id[k], n->id[j]))
-            return true;
-    return false;
-}
-
-/* Counts the points of one place once. *found: whether the rank was reached. */
-static double distance_of_rank(const struct neighbour_tree *t, const struct neighbours *n,
-                               unsigned rank, bool *found)
-{
-    double last = 0;
-    unsigned places = 0;
-    for (unsigned j = 0; j < n->count && places < rank; j++)
-        if (n->distance[j] > 0 && !is_repeated(t, n, j)) {
-            last = n->distance[j];
-            places++;
-        }
-    *found = places == rank;
-    return sqrt(last);
-}
-
 /* To the nearest neighbour seen at more than 30 degrees from the line; 0: none. */
 static double distance_off_line(const struct neighbour_tree *t, size_t i,
                                 const struct neighbours *n, const double line[3])
@@ -95,28 +69,35 @@ static bool on_a_line(const struct plane *plane)
     return !(plane->value[1] > ON_A_LINE * plane->value[2]);
 }
 
+/* Where there are fewer than rank: to the last. */
+static double distance_of_rank(const struct neighbours *n, unsigned rank)
+{
+    unsigned at = n->count < rank ? n->count : rank;
+    return at > 0 ? sqrt(n->distance[at - 1]) : 0;
+}
+
 void surrounding_of(const struct neighbour_tree *tree, size_t i, struct surrounding *s)
 {
     struct neighbours n;
     struct plane plane;
-    bool found;
-    unsigned rank = rank_of_spacing(tree->count), k = SURROUND_NEAREST;
+    unsigned k = SURROUND_NEAREST;
     neighbours_of(tree, i, k, &n);
     for (unsigned j = 0; j < SURROUND_GRAPH; j++)
         s->neighbour[j] = j < n.count ? n.id[j] : NO_NEIGHBOUR;
+    s->spacing = distance_of_rank(&n, rank_of_spacing(tree->count));
     fit_plane(tree, i, &n, &plane);
-    s->spacing = distance_of_rank(tree, &n, rank, &found);
     bool line = on_a_line(&plane);
     double direction[3];
     memcpy(direction, plane.vector[2], sizeof direction);
-    while ((!found || on_a_line(&plane)) && k < MAX_NEAREST && n.count == k) {
+    while (on_a_line(&plane) && k < MAX_NEAREST && n.count == k) {
         k = k < MAX_NEAREST / 2 ? MAX_NEAREST / 2 : MAX_NEAREST;
         neighbours_of(tree, i, k, &n);
         fit_plane(tree, i, &n, &plane);
-        s->spacing = distance_of_rank(tree, &n, rank, &found);
     }
-    if (line && !on_a_line(&plane))
-        s->spacing = fmax(s->spacing, distance_off_line(tree, i, &n, direction));
+    if (line && !on_a_line(&plane)) {
+        double off = distance_off_line(tree, i, &n, direction);
+        s->spacing = off <= WIRE * s->spacing ? fmax(s->spacing, off) : s->spacing;
+    }
     bool flat = plane.value[1] > NO_PLANE * plane.value[2];
     for (int axis = 0; axis < 3; axis++)
         s->normal[axis] = flat ? plane.vector[0][axis] : 0;
@@ -125,12 +106,13 @@ void surrounding_of(const struct neighbour_tree *tree, size_t i, struct surround
 struct find {
     const struct neighbour_tree *tree;
     struct surroundings *all;
+    size_t first;
 };
 
 static void find_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct find *f = context;
-    for (size_t i = begin; i < end; i++) {
+    for (size_t i = f->first + begin; i < f->first + end; i++) {
         struct surrounding s;
         surrounding_of(f->tree, i, &s);
         f->all->spacing[i] = (float)s.spacing;
@@ -151,8 +133,13 @@ enum stp_result surroundings_find(const struct stp_env *env, const struct neighb
         surroundings_release(&found);
         return log_no_memory(env, tree->count * sizeof *found.neighbour, "neighbours");
     }
-    struct find find = { tree, &found };
-    parallel_for(env, tree->count, 1024, find_range, &find);
+    for (size_t first = 0; first < tree->count; first += SLICE) {
+        size_t left = tree->count - first;
+        struct find find = { tree, &found, first };
+        parallel_for(env, left < SLICE ? left : SLICE, 1024, find_range, &find);
+        log_progress(env, "neighbours",
+                     1 - (double)(left < SLICE ? 0 : left - SLICE) / (double)tree->count);
+    }
     *all = found;
     return STP_OK;
 }

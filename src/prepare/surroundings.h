@@ -1,4 +1,4 @@
-/* What the nearest neighbours say of each splat: its tangent plane and its local spacing. */
+/* What the nearest neighbours say of each place (places.h): its tangent plane and local spacing. */
 #ifndef STP_PREPARE_SURROUNDINGS_H
 #define STP_PREPARE_SURROUNDINGS_H
 
@@ -11,7 +11,7 @@
 struct surrounding {
     double normal[3]; /* unit, of the least-squares plane, either sign; 0: no plane (coincident or
                          collinear, even among MAX_NEAREST) */
-    double spacing;   /* distance to the 8th other place (fewer in tiny clouds): discs of this
+    double spacing;   /* distance to the 8th neighbour (fewer in tiny clouds): discs of this
                          radius close a Poisson-random plane but for 1e-6 of it; where the nearest lie
                          on a scan line, at least the distance to the next line; 0: all coincide */
     uint32_t neighbour[SURROUND_GRAPH]; /* nearest first; NO_NEIGHBOUR where there are fewer */

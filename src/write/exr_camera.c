@@ -73,7 +73,7 @@ struct exr_screen exr_screen_window(const struct stp_camera *camera)
     return (struct exr_screen){
         .width = camera->width / camera->fx,
         .center = { (camera->width / 2.0 - camera->cx) / camera->fx,
-                    -(camera->height / 2.0 - camera->cy) / camera->fy },
+                    (camera->cy - camera->height / 2.0) / camera->fy },
         .pixel_aspect = camera->fy / camera->fx,
     };
 }

@@ -12,14 +12,9 @@ static void *allocate(size_t bytes)
     return mem_alloc(bytes, 1);
 }
 
-static void keep_message(exr_const_context_t context, exr_result_t code, const char *message)
+/* The core calls this with its lock held, so that not even the user data can be asked for. */
+static void drop_message(exr_const_context_t context, exr_result_t code, const char *message)
 {
-    void *user = NULL;
-    if (!context || exr_get_user_data(context, &user) != EXR_ERR_SUCCESS || !user)
-        return;
-    struct exr_io *io = user;
-    if (!io->parallel && !io->message[0])
-        snprintf(io->message, sizeof io->message, "%s", message);
 }
 
 static int64_t size_of(exr_const_context_t context, void *user)
@@ -64,9 +59,11 @@ static int64_t write_at(exr_const_context_t context, void *user, const void *buf
 exr_context_initializer_t exr_io_initializer(struct exr_io *io)
 {
     exr_context_initializer_t init = EXR_DEFAULT_CONTEXT_INITIALIZER;
-    init.error_handler_fn = keep_message;
-    init.alloc_fn = allocate;
-    init.free_fn = mem_free;
+    init.error_handler_fn = drop_message;
+    /* Reading, the core takes an allocation that fails for a damaged header, so that counting
+     * them would show nothing: it keeps to malloc. */
+    init.alloc_fn = io->bytes ? NULL : allocate;
+    init.free_fn = io->bytes ? NULL : mem_free;
     init.user_data = io;
     init.size_fn = size_of;
     init.read_fn = io->bytes ? read_at : NULL;
@@ -83,6 +80,5 @@ enum stp_result exr_io_failed(const struct stp_env *env, const struct exr_io *io
     if (code == EXR_ERR_OUT_OF_MEMORY)
         return log_error(env, STP_ERROR_MEMORY, "%s: cannot %s: out of memory", io->path, verb);
     return log_error(env, io->bytes ? STP_ERROR_FORMAT : STP_ERROR_IO, "%s: cannot %s: %s",
-                     io->path, verb,
-                     io->message[0] ? io->message : exr_get_default_error_message(code));
+                     io->path, verb, exr_get_default_error_message(code));
 }

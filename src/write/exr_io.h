@@ -11,15 +11,13 @@ struct exr_io {
     int descriptor;                 /* writing */
     const struct file_bytes *bytes; /* reading */
     int error;                      /* errno of the first write that failed */
-    bool parallel;                  /* the core's messages would come in any order: drop them */
-    char message[256];              /* the core's first message */
 };
 
-/* For exr_start_read / exr_start_write: the core allocates through base/memory.h, reads from
- * io->bytes, writes to io->descriptor, and its messages are kept in io instead of printed. */
+/* For exr_start_read / exr_start_write: the core reads from
+ * io->bytes, writes to io->descriptor, and prints nothing. */
 exr_context_initializer_t exr_io_initializer(struct exr_io *io);
 
-/* The one line for a failed call of the core: errno, the core's message, or the code's name. */
+/* The one line for a failed call of the core: errno, or what the core's code means. */
 enum stp_result exr_io_failed(const struct stp_env *env, const struct exr_io *io, exr_result_t code,
                               const char *verb);
 

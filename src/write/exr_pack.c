@@ -101,16 +101,14 @@ static exr_result_t write_slot(struct packer *p, const struct slot *slot, uint32
         packed ? slot->pipe.compressed_bytes : slot->pipe.packed_bytes);
 }
 
-static exr_result_t run_batches(const struct stp_env *env, struct packer *p, struct exr_io *io)
+static exr_result_t run_batches(const struct stp_env *env, struct packer *p)
 {
     uint32_t height = p->image->height, lines = (uint32_t)p->lines;
     exr_result_t result = EXR_ERR_SUCCESS;
     for (p->first_line = 0; p->first_line < height && result == EXR_ERR_SUCCESS;) {
         size_t left = (height - p->first_line + lines - 1) / lines;
         size_t count = left < p->slot_count ? left : p->slot_count;
-        io->parallel = true;
         parallel_for(env, count, 1, pack_chunks, p);
-        io->parallel = false;
         for (size_t i = 0; i < count && result == EXR_ERR_SUCCESS; i++)
             result = write_slot(p, &p->slot[i], p->first_line + (uint32_t)i * lines);
         p->first_line += (uint32_t)count * lines;
@@ -142,7 +140,7 @@ static size_t slots_wanted(const struct stp_env *env, const struct packer *p)
     return wanted < chunks ? wanted : chunks;
 }
 
-exr_result_t exr_pack_image(const struct stp_env *env, exr_context_t context, struct exr_io *io,
+exr_result_t exr_pack_image(const struct stp_env *env, exr_context_t context,
                             const struct stp_image *image)
 {
     struct packer p = { .image = image, .context = context };
@@ -156,7 +154,7 @@ exr_result_t exr_pack_image(const struct stp_env *env, exr_context_t context, st
     if (result == EXR_ERR_SUCCESS) {
         p.slot_count = slots_wanted(env, &p);
         p.slot = mem_zalloc(p.slot_count, sizeof *p.slot);
-        result = p.slot ? run_batches(env, &p, io) : EXR_ERR_OUT_OF_MEMORY;
+        result = p.slot ? run_batches(env, &p) : EXR_ERR_OUT_OF_MEMORY;
     }
     for (size_t i = 0; p.slot && i < p.slot_count; i++)
         if (p.slot[i].started)

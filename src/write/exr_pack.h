@@ -7,7 +7,7 @@
 #include "write/exr_io.h"
 
 /* After exr_write_header, for part 0. The bytes do not depend on the number of threads. */
-exr_result_t exr_pack_image(const struct stp_env *env, exr_context_t context, struct exr_io *io,
+exr_result_t exr_pack_image(const struct stp_env *env, exr_context_t context,
                             const struct stp_image *image);
 
 #endif

@@ -133,12 +133,10 @@ enum stp_result exr_unpack_image(const struct stp_env *env, const struct exr_sou
     u.result = mem_zalloc(chunks, sizeof *u.result);
     enum stp_result result = STP_OK;
     if (u.decoder && u.result) {
-        source->io->parallel = true;
         /* The first one alone: it reads the table of chunks. */
         unpack_chunks(&u, 0, 1, 0);
         if (u.result[0] == EXR_ERR_SUCCESS)
             parallel_for(env, chunks, 1, unpack_chunks, &u);
-        source->io->parallel = false;
         result = first_failure(env, &u, chunks);
     } else {
         result = log_no_memory(env, chunks * sizeof *u.result, source->io->path);

@@ -79,7 +79,7 @@ static exr_result_t set_matrix(exr_context_t context, const char *name, const do
 {
     exr_attr_m44f_t matrix;
     for (int i = 0; i < 16; i++)
-        matrix.m[i] = (float)m[i];
+        matrix.m[i] = (float)m[i] + 0.0f; /* no negative zeros in what people read */
     return exr_attr_set_m44f(context, 0, name, &matrix);
 }
 
@@ -117,7 +117,7 @@ static exr_result_t set_texts(exr_context_t context, const struct stp_image *ima
     return result;
 }
 
-static exr_result_t write_part(const struct stp_env *env, exr_context_t context, struct exr_io *io,
+static exr_result_t write_part(const struct stp_env *env, exr_context_t context,
                                const struct stp_image *image, const struct stp_exr_params *params)
 {
     int part;
@@ -135,7 +135,7 @@ static exr_result_t write_part(const struct stp_env *env, exr_context_t context,
     if (result == EXR_ERR_SUCCESS)
         result = exr_write_header(context);
     if (result == EXR_ERR_SUCCESS)
-        result = exr_pack_image(env, context, io, image);
+        result = exr_pack_image(env, context, image);
     return result;
 }
 
@@ -147,7 +147,7 @@ static exr_result_t write_stream(const struct stp_env *env, struct exr_io *io,
     exr_result_t result = exr_start_write(&context, io->path, EXR_WRITE_FILE_DIRECTLY, &init);
     if (result != EXR_ERR_SUCCESS)
         return result;
-    result = write_part(env, context, io, image, params);
+    result = write_part(env, context, image, params);
     /* Writes the table of chunks. */
     exr_result_t finished = exr_finish(&context);
     return result == EXR_ERR_SUCCESS ? finished : result;

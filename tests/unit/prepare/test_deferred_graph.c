@@ -44,12 +44,14 @@ static bool expect_coplanar(const struct splats *s, size_t i, size_t j)
 
 static bool expect_edge(const struct splats *s, const struct overlap_params *p, size_t i, size_t j)
 {
+    if (i == j || (p->skip && (p->skip[i] || p->skip[j])))
+        return false;
     double d2 = 0, t = p->overlap * ((double)s->radius[i] + s->radius[j]);
     for (int k = 0; k < 3; k++) {
         double d = s->position[i][k] - s->position[j][k];
         d2 += d * d;
     }
-    if (i == j || !(d2 < t * t) || (p->skip && (p->skip[i] || p->skip[j])))
+    if (!(d2 < t * t))
         return false;
     if ((p->relax & STP_RELAX_OPPOSED) && angle_between(s->normal[i], s->normal[j]) > 90)
         return false;

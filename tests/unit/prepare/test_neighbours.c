@@ -142,6 +142,23 @@ static void scan_lines(void **state)
     neighbour_tree_release(&tree);
 }
 
+/* A wire of 60 points high above the ground: its discs do not reach down. */
+static void wire(void **state)
+{
+    static double p[60 + 900][3];
+    struct neighbour_tree tree;
+    struct surrounding s;
+    for (int i = 0; i < 60 + 900; i++) {
+        p[i][0] = i < 60 ? 0.1 * i : (i - 60) % 30;
+        p[i][1] = i < 60 ? 0 : (i - 60) / 30;
+        p[i][2] = i < 60 ? 10 : 0;
+    }
+    assert_int_equal(neighbour_tree_build(NULL, (const double(*)[3])p, 60 + 900, &tree), STP_OK);
+    surrounding_of(&tree, 30, &s);
+    assert_true(s.spacing < 0.5);
+    neighbour_tree_release(&tree);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -151,6 +168,7 @@ int main(void)
         cmocka_unit_test(build_survives_no_memory),
         cmocka_unit_test(eigenvectors),
         cmocka_unit_test(scan_lines),
+        cmocka_unit_test(wire),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

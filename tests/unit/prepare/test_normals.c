@@ -109,6 +109,31 @@ static void bad_ones_are_mended(void **state)
     samples_release(&given);
 }
 
+/* Coincident splats, one of them with a good normal: the others take it. */
+static void mended_from_their_own_place(void **state)
+{
+    double p[30][3];
+    float n[30][3] = { { 0 } };
+    for (int i = 0; i < 30; i++) {
+        p[i][0] = i / 3 % 5;
+        p[i][1] = i / 15;
+        p[i][2] = 0;
+        n[i][2] = i % 3 == 2 ? 0 : 1;
+        n[i][0] = i % 3 == 2 || i / 3 != 4 ? 0 : 1;
+    }
+    struct stp_points points = { .count = 30,
+                                 .position = (const double(*)[3])p,
+                                 .normal = (const float(*)[3])n };
+    struct stp_scene *scene = prepared(&points, NULL);
+    assert_int_equal(stp_scene_facts(scene)->bad_normals, 10);
+    for (size_t i = 0; i < 30; i++) {
+        uint32_t from = scene->splats.input[i];
+        assert_true(fabs((double)scene->splats.normal[i][0] - (from / 3 == 4 ? sqrt(0.5) : 0)) <
+                    1e-6);
+    }
+    stp_scene_destroy(&scene);
+}
+
 /* More than half bad: all are estimated. */
 static void mostly_bad_means_estimated(void **state)
 {
@@ -186,6 +211,7 @@ int main(void)
         cmocka_unit_test(plane),
         cmocka_unit_test(two_sheets),
         cmocka_unit_test(bad_ones_are_mended),
+        cmocka_unit_test(mended_from_their_own_place),
         cmocka_unit_test(mostly_bad_means_estimated),
         cmocka_unit_test(inward_normals_are_two_sided),
         cmocka_unit_test(collinear_points_have_none),

@@ -1,6 +1,7 @@
 #include "clouds.h"
 
 #include "prepare/bounds.h"
+#include "prepare/radii.h"
 #include "scene/scene.h"
 
 static struct stp_scene *prepared(size_t count, const void *position, const void *normal,
@@ -28,12 +29,12 @@ static bool is_covered(const struct splats *s, const double p[3])
 /* Poisson-random points: no hole among 20000 probes, away from the border of the square. */
 static void closes_a_plane(void **state)
 {
-    struct samples s = sample_surface(on_plane, 4000, 8);
+    struct samples s = sample_surface(on_plane, 1500, 8);
     struct stp_scene *scene = prepared(s.count, s.position, NULL, NULL);
     uint64_t seed = 4;
     size_t holes = 0;
     for (int i = 0; i < 20000; i++) {
-        double p[3] = { 0.03 + 0.94 * random_unit(&seed), 0.25, 0.03 + 0.94 * random_unit(&seed) };
+        double p[3] = { 0.05 + 0.9 * random_unit(&seed), 0.25, 0.05 + 0.9 * random_unit(&seed) };
         holes += !is_covered(&scene->splats, p);
     }
     assert_true(holes <= 1);
@@ -45,7 +46,7 @@ static void closes_a_plane(void **state)
 /* Discs in the tangent planes, seen along rays from the middle. */
 static void closes_a_sphere(void **state)
 {
-    struct samples s = sample_surface(on_sphere, 4000, 8);
+    struct samples s = sample_surface(on_sphere, 1500, 8);
     struct stp_scene *scene = prepared(s.count, s.position, NULL, NULL);
     const struct splats *p = &scene->splats;
     uint64_t seed = 6;
@@ -61,7 +62,8 @@ static void closes_a_sphere(void **state)
                 np += (double)p->normal[j][axis] * p->position[j][axis];
             }
             for (int axis = 0; axis < 3; axis++)
-                distance += pow(d[axis] * np / nd - p->position[j][axis], 2);
+                distance += (d[axis] * np / nd - p->position[j][axis]) *
+                            (d[axis] * np / nd - p->position[j][axis]);
             covered = nd > 0 && distance <= r * r;
         }
         holes += !covered;
@@ -175,16 +177,36 @@ static void tiny_clouds(void **state)
 
 static void coincident_points(void **state)
 {
-    static double p[20000][3];
-    for (size_t i = 0; i < 20000; i++)
+    static double p[200000][3];
+    for (size_t i = 0; i < 200000; i++)
         p[i][0] = p[i][1] = p[i][2] = 6e6;
-    struct stp_scene *scene = prepared(20000, p, NULL, NULL);
+    struct stp_scene *scene = prepared(200000, p, NULL, NULL);
     const struct stp_facts *facts = stp_scene_facts(scene);
-    assert_int_equal(facts->duplicates, 19999);
-    assert_int_equal(facts->no_normal, 20000);
+    assert_int_equal(facts->duplicates, 199999);
+    assert_int_equal(facts->no_normal, 200000);
     assert_true(facts->radius_min > 0 && facts->radius_max < 100);
     assert_true(isfinite(facts->outwardness));
     stp_scene_destroy(&scene);
+}
+
+/* Heaps of 200 at each of 1000 places: spacing and normals are those of the places. */
+static void heaps(void **state)
+{
+    struct samples s = sample_surface(on_sphere, 1000, 8);
+    double(*heaped)[3] = calloc(200000, sizeof *heaped);
+    for (size_t i = 0; i < 200000; i++)
+        memcpy(heaped[i], s.position[i % 1000], sizeof heaped[i]);
+    struct stp_scene *once = prepared(1000, s.position, NULL, NULL);
+    struct stp_scene *many = prepared(200000, heaped, NULL, NULL);
+    for (size_t i = 0; i < 200000; i++) {
+        assert_true(many->splats.radius[i] == once->splats.radius[i / 200]);
+        assert_memory_equal(many->splats.normal[i], once->splats.normal[i / 200], 12);
+    }
+    assert_int_equal(stp_scene_facts(many)->no_normal, 0);
+    stp_scene_destroy(&once);
+    stp_scene_destroy(&many);
+    free(heaped);
+    samples_release(&s);
 }
 
 static int ascending(const void *a, const void *b)
@@ -206,14 +228,42 @@ static void selection(void **state)
     }
 }
 
+static void median_of_good_ones(void **state)
+{
+    const float bad[5] = { NAN, 0, -3, INFINITY, 1e-30f };
+    uint64_t seed = 2;
+    for (size_t count = 0; count < 200; count++) {
+        double sorted[200];
+        float radius[200], median = -1;
+        size_t good = 0;
+        for (size_t i = 0; i < count; i++) {
+            radius[i] = (float)exp(20 * random_unit(&seed) - 10);
+            if (i % 3 == 0)
+                radius[i] = bad[i / 3 % 5];
+            else
+                sorted[good++] = (double)radius[i];
+        }
+        qsort(sorted, good, sizeof *sorted, ascending);
+        assert_int_equal(radii_median(NULL, radius, count, &median), STP_OK);
+        assert_true((double)median == (good > 0 ? sorted[(good - 1) / 2] : 0));
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(closes_a_plane),           cmocka_unit_test(closes_a_sphere),
-        cmocka_unit_test(duplicates_do_not_shrink), cmocka_unit_test(outliers_are_no_plates),
-        cmocka_unit_test(given_ones_stay),          cmocka_unit_test(bad_ones_are_replaced),
-        cmocka_unit_test(large_among_sparse_stays), cmocka_unit_test(tiny_clouds),
-        cmocka_unit_test(coincident_points),        cmocka_unit_test(selection),
+        cmocka_unit_test(closes_a_plane),
+        cmocka_unit_test(closes_a_sphere),
+        cmocka_unit_test(duplicates_do_not_shrink),
+        cmocka_unit_test(outliers_are_no_plates),
+        cmocka_unit_test(given_ones_stay),
+        cmocka_unit_test(bad_ones_are_replaced),
+        cmocka_unit_test(large_among_sparse_stays),
+        cmocka_unit_test(tiny_clouds),
+        cmocka_unit_test(coincident_points),
+        cmocka_unit_test(heaps),
+        cmocka_unit_test(selection),
+        cmocka_unit_test(median_of_good_ones),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,49 @@
+#include "passes/passes.h"
+
+#include <stddef.h>
+
+/* The order of the addresses is the order of enum plan_slot. */
+#define SLOT_OFFSET(member, slot)                                                              \
+    _Static_assert(offsetof(struct stp_frame_constants, member) == 8 * (slot), #member)
+SLOT_OFFSET(splats, PLAN_SPLATS);
+SLOT_OFFSET(colors, PLAN_COLORS);
+SLOT_OFFSET(materials, PLAN_MATERIALS);
+SLOT_OFFSET(order, PLAN_ORDER);
+SLOT_OFFSET(work, PLAN_WORK);
+SLOT_OFFSET(large, PLAN_LARGE);
+SLOT_OFFSET(keys, PLAN_KEYS);
+SLOT_OFFSET(key_ids, PLAN_SLOT_IDS);
+SLOT_OFFSET(counts, PLAN_COUNTS);
+SLOT_OFFSET(nearest, PLAN_NEAREST);
+SLOT_OFFSET(sums, PLAN_SUMS);
+SLOT_OFFSET(out_color, PLAN_OUT_COLOR);
+SLOT_OFFSET(out_normal, PLAN_OUT_NORMAL);
+SLOT_OFFSET(out_depth, PLAN_OUT_DEPTH);
+SLOT_OFFSET(out_albedo, PLAN_OUT_ALBEDO);
+SLOT_OFFSET(out_id, PLAN_OUT_ID);
+/* Scalar layout: nothing is padded before the lights. */
+_Static_assert(offsetof(struct stp_frame_constants, rotation) == 128, "rotation");
+_Static_assert(offsetof(struct stp_frame_constants, lights) ==
+                   offsetof(struct stp_frame_constants, raster_scale) + 4,
+               "lights");
+_Static_assert(sizeof(struct stp_frame_constants) % 4 == 0 &&
+                   sizeof(struct stp_frame_constants) < 65536,
+               "vkCmdUpdateBuffer");
+
+struct stp_frame_constants pass_constants(const struct stp_plan *plan,
+                                          const struct pass_resources *resources,
+                                          const struct plan_tile *tile)
+{
+    struct stp_frame_constants constants = plan->frame;
+    uint64_t *address = (uint64_t *)&constants;
+    for (uint32_t i = 0; i < plan->resource_count; i++)
+        if (plan->resource[i].slot < PLAN_BUFFER_SLOTS)
+            address[plan->resource[i].slot] = resources->buffer[i].address;
+    constants.tile_x = tile->x;
+    constants.tile_y = tile->y;
+    constants.tile_width = tile->width;
+    constants.tile_height = tile->height;
+    constants.blocks_x = (tile->width + STP_BLOCK - 1) / STP_BLOCK;
+    constants.blocks_y = (tile->height + STP_BLOCK - 1) / STP_BLOCK;
+    return constants;
+}

@@ -1,0 +1,210 @@
+#include "passes/passes.h"
+
+#define MOST_COLORS 4
+
+VkFormat pass_format(enum plan_format format)
+{
+    switch (format) {
+    case PLAN_R32UI:
+        return VK_FORMAT_R32_UINT;
+    case PLAN_RG32UI:
+        return VK_FORMAT_R32G32_UINT;
+    case PLAN_RG32F:
+        return VK_FORMAT_R32G32_SFLOAT;
+    case PLAN_RGBA32F:
+        return VK_FORMAT_R32G32B32A32_SFLOAT;
+    case PLAN_D32F:
+        return VK_FORMAT_D32_SFLOAT;
+    case PLAN_BUFFER:
+        break;
+    }
+    return VK_FORMAT_UNDEFINED;
+}
+
+/* The plan's resource indices of a pass's attachments; depth is PLAN_NONE where there is none. */
+struct targets {
+    uint32_t color_count;
+    uint8_t color[MOST_COLORS];
+    uint8_t depth;
+};
+
+static struct targets find_targets(const struct stp_plan *plan, const struct plan_pass *pass)
+{
+    struct targets t = { .depth = PLAN_NONE };
+    for (unsigned i = 0; i < pass->access_count; i++) {
+        uint8_t resource = pass->access[i].resource;
+        if (!(pass->access[i].kind & PLAN_ATTACHMENT))
+            continue;
+        if (plan->resource[resource].format == PLAN_D32F)
+            t.depth = resource;
+        else
+            t.color[t.color_count++] = resource;
+    }
+    return t;
+}
+
+static VkResult create_pipeline(struct stp_context *context, const struct plan_pass *pass,
+                                const VkPipelineRenderingCreateInfo *rendering,
+                                const VkPipelineShaderStageCreateInfo *stages,
+                                VkPipelineLayout layout, VkPipeline *pipeline)
+{
+    bool blend = pass->raster == PLAN_RASTER_BLEND;
+    VkPipelineVertexInputStateCreateInfo input = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO
+    };
+    VkPipelineInputAssemblyStateCreateInfo assembly = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST
+    };
+    VkPipelineViewportStateCreateInfo viewport = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+        .viewportCount = 1,
+        .scissorCount = 1
+    };
+    VkPipelineRasterizationStateCreateInfo raster = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+        .polygonMode = VK_POLYGON_MODE_FILL,
+        .lineWidth = 1
+    };
+    VkPipelineMultisampleStateCreateInfo samples = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT
+    };
+    VkPipelineDepthStencilStateCreateInfo depth = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
+        .depthTestEnable = !blend,
+        .depthWriteEnable = !blend,
+        .depthCompareOp = VK_COMPARE_OP_GREATER
+    };
+    VkPipelineColorBlendAttachmentState attachments[MOST_COLORS];
+    for (int i = 0; i < MOST_COLORS; i++)
+        attachments[i] = (VkPipelineColorBlendAttachmentState){
+            .blendEnable = blend,
+            .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
+            .dstColorBlendFactor = VK_BLEND_FACTOR_ONE,
+            .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+            .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+            .colorWriteMask = 0xf,
+        };
+    VkPipelineColorBlendStateCreateInfo colors = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
+        .attachmentCount = rendering->colorAttachmentCount,
+        .pAttachments = attachments
+    };
+    VkDynamicState states[] = { VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR };
+    VkPipelineDynamicStateCreateInfo dynamic = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+        .dynamicStateCount = 2,
+        .pDynamicStates = states
+    };
+    VkGraphicsPipelineCreateInfo info = { .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
+                                          .pNext = rendering,
+                                          .stageCount = 2,
+                                          .pStages = stages,
+                                          .pVertexInputState = &input,
+                                          .pInputAssemblyState = &assembly,
+                                          .pViewportState = &viewport,
+                                          .pRasterizationState = &raster,
+                                          .pMultisampleState = &samples,
+                                          .pDepthStencilState = &depth,
+                                          .pColorBlendState = &colors,
+                                          .pDynamicState = &dynamic,
+                                          .layout = layout };
+    return context->vk.vkCreateGraphicsPipelines(context->device, context->cache, 1, &info, NULL,
+                                                 pipeline);
+}
+
+enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_context *context,
+                                     const struct stp_plan *plan, const struct plan_pass *pass,
+                                     const struct pass_resources *resources, VkPipeline *pipeline)
+{
+    struct pass_specialization specialization;
+    struct targets targets = find_targets(plan, pass);
+    VkFormat formats[MOST_COLORS];
+    VkShaderModule modules[2] = { 0 };
+    for (uint32_t i = 0; i < targets.color_count; i++)
+        formats[i] = pass_format(plan->resource[targets.color[i]].format);
+    VkPipelineRenderingCreateInfo rendering = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+        .colorAttachmentCount = targets.color_count,
+        .pColorAttachmentFormats = formats,
+        .depthAttachmentFormat =
+            targets.depth == PLAN_NONE ? VK_FORMAT_UNDEFINED : VK_FORMAT_D32_SFLOAT
+    };
+    pass_specialize(plan, pass, &specialization);
+    VkResult result = pass_module(context, pass->vertex, &modules[0]);
+    if (result == VK_SUCCESS)
+        result = pass_module(context, pass->shader, &modules[1]);
+    VkPipelineShaderStageCreateInfo stages[2];
+    for (int i = 0; i < 2; i++)
+        stages[i] = (VkPipelineShaderStageCreateInfo){
+            .sType = VK_STRUCTURE_TYPE_PIPELINE_SHADER_STAGE_CREATE_INFO,
+            .stage = i == 0 ? VK_SHADER_STAGE_VERTEX_BIT : VK_SHADER_STAGE_FRAGMENT_BIT,
+            .module = modules[i],
+            .pName = "main",
+            .pSpecializationInfo = &specialization.info
+        };
+    if (result == VK_SUCCESS)
+        result = create_pipeline(context, pass, &rendering, stages, resources->layout, pipeline);
+    for (int i = 0; i < 2; i++)
+        if (modules[i])
+            context->vk.vkDestroyShaderModule(context->device, modules[i], NULL);
+    return result == VK_SUCCESS ? STP_OK : gpu_error(env, result, "vkCreateGraphicsPipelines");
+}
+
+static VkImageView view_of(const struct gpu_image *image, const struct plan_pass *pass)
+{
+    return image->layers && pass->layer_count == 1 ? image->layers[pass->layer] : image->all;
+}
+
+/* Every attachment starts cleared: ids to none, depth to far, sums to zero. */
+static VkRenderingAttachmentInfo attachment(const struct stp_plan *plan,
+                                            const struct plan_pass *pass,
+                                            const struct pass_resources *resources,
+                                            uint8_t resource)
+{
+    VkClearValue clear = { 0 };
+    if (plan->resource[resource].slot == PLAN_IMAGE_ID)
+        for (int i = 0; i < 4; i++)
+            clear.color.uint32[i] = STP_NO_ID;
+    return (VkRenderingAttachmentInfo){ .sType = VK_STRUCTURE_TYPE_RENDERING_ATTACHMENT_INFO,
+                                        .imageView = view_of(&resources->image[resource], pass),
+                                        .imageLayout = VK_IMAGE_LAYOUT_GENERAL,
+                                        .loadOp = VK_ATTACHMENT_LOAD_OP_CLEAR,
+                                        .storeOp = VK_ATTACHMENT_STORE_OP_STORE,
+                                        .clearValue = clear };
+}
+
+void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
+                        const struct stp_plan *plan, const struct plan_pass *pass,
+                        const struct plan_tile *tile, const struct pass_resources *resources,
+                        VkPipeline pipeline)
+{
+    struct targets targets = find_targets(plan, pass);
+    VkRenderingAttachmentInfo colors[MOST_COLORS], depth;
+    for (uint32_t i = 0; i < targets.color_count; i++)
+        colors[i] = attachment(plan, pass, resources, targets.color[i]);
+    if (targets.depth != PLAN_NONE)
+        depth = attachment(plan, pass, resources, targets.depth);
+    VkRect2D area = { .extent = { tile->width, tile->height } };
+    VkRenderingInfo rendering = { .sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
+                                  .renderArea = area,
+                                  .layerCount = pass->layer_count,
+                                  .colorAttachmentCount = targets.color_count,
+                                  .pColorAttachments = colors,
+                                  .pDepthAttachment =
+                                      targets.depth == PLAN_NONE ? NULL : &depth };
+    VkViewport viewport = { .width = (float)tile->width, .height = (float)tile->height, .maxDepth = 1 };
+    uint32_t push[2] = { pass->layer, pass->first_splat };
+    context->vk.vkCmdBeginRendering(commands, &rendering);
+    context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
+    context->vk.vkCmdPushConstants(commands, resources->layout,
+                                   VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
+                                       VK_SHADER_STAGE_FRAGMENT_BIT,
+                                   0, sizeof push, push);
+    context->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
+    context->vk.vkCmdSetScissor(commands, 0, 1, &area);
+    if (pass->splat_count)
+        context->vk.vkCmdDraw(commands, pass->splat_count * 3, 1, 0, 0);
+    context->vk.vkCmdEndRendering(commands);
+}

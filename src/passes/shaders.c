@@ -1,0 +1,65 @@
+#include "passes/passes.h"
+
+#include "shader_list.h"
+
+/* In the order of enum plan_shader. */
+static const struct pass_words shaders[] = {
+    { 0 },
+#define SHADER(name) { spv_##name, sizeof spv_##name },
+    SHADER_LIST
+};
+_Static_assert(sizeof shaders / sizeof *shaders == PLAN_SHADERS, "one variant a plan_shader");
+
+struct pass_words pass_shader(enum plan_shader shader)
+{
+    return shaders[shader];
+}
+
+VkResult pass_module(struct stp_context *context, enum plan_shader shader, VkShaderModule *module)
+{
+    struct pass_words words = pass_shader(shader);
+    VkShaderModuleCreateInfo info = { .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
+                                      .codeSize = words.bytes,
+                                      .pCode = words.words };
+    return context->vk.vkCreateShaderModule(context->device, &info, NULL, module);
+}
+
+void pass_specialize(const struct stp_plan *plan, const struct plan_pass *pass,
+                     struct pass_specialization *s)
+{
+    for (uint32_t i = 0; i < PLAN_CONSTANTS; i++) {
+        s->values[i] = i == PLAN_REPAIR ? pass->repair : plan->constant[i];
+        s->entries[i] = (VkSpecializationMapEntry){ i, i * 4, 4 };
+    }
+    s->info = (VkSpecializationInfo){ PLAN_CONSTANTS, s->entries, sizeof s->values, s->values };
+}
+
+enum stp_result pass_pipeline(const struct stp_env *env, struct stp_context *context,
+                              const struct stp_plan *plan, const struct plan_pass *pass,
+                              const struct pass_resources *resources, VkPipeline *pipeline)
+{
+    if (pass->kind == PLAN_DRAW)
+        return pass_raster_pipeline(env, context, plan, pass, resources, pipeline);
+    if (pass->kind == PLAN_DISPATCH || pass->kind == PLAN_DISPATCH_INDIRECT)
+        return pass_compute_pipeline(env, context, plan, pass, resources, pipeline);
+    return STP_OK;
+}
+
+void pass_record(struct stp_context *context, VkCommandBuffer commands, const struct stp_plan *plan,
+                 const struct plan_pass *pass, const struct plan_tile *tile,
+                 const struct pass_resources *resources, VkPipeline pipeline)
+{
+    switch (pass->kind) {
+    case PLAN_FILL:
+    case PLAN_ARGUMENTS:
+        pass_record_transfer(context, commands, plan, pass, tile, resources);
+        break;
+    case PLAN_DISPATCH:
+    case PLAN_DISPATCH_INDIRECT:
+        pass_record_compute(context, commands, plan, pass, tile, resources, pipeline);
+        break;
+    case PLAN_DRAW:
+        pass_record_raster(context, commands, plan, pass, tile, resources, pipeline);
+        break;
+    }
+}

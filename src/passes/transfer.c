@@ -1,0 +1,34 @@
+#include "passes/passes.h"
+
+static uint32_t blocks(uint32_t pixels)
+{
+    return (pixels + STP_BLOCK - 1) / STP_BLOCK;
+}
+
+/* Indirect arguments start as one row of no workgroups, flags as untouched. */
+static void reset_arguments(struct stp_context *context, VkCommandBuffer commands,
+                            const struct plan_tile *tile, const struct gpu_buffer *work)
+{
+    uint32_t words[STP_WORK_FLAGS] = { 0 };
+    const uint32_t arguments[] = { STP_WORK_LARGE, STP_WORK_BLOCKS, STP_WORK_REPAIR,
+                                   STP_WORK_REPAIR_L, STP_WORK_REPAIR_BLOCKS };
+    for (unsigned i = 0; i < sizeof arguments / sizeof *arguments; i++)
+        words[arguments[i] + 1] = words[arguments[i] + 2] = 1;
+    context->vk.vkCmdUpdateBuffer(commands, work->handle, 0, sizeof words, words);
+    VkDeviceSize flags = (VkDeviceSize)blocks(tile->width) * blocks(tile->height) * 4;
+    context->vk.vkCmdFillBuffer(commands, work->handle, STP_WORK_FLAGS * 4, flags, 0);
+}
+
+void pass_record_transfer(struct stp_context *context, VkCommandBuffer commands,
+                          const struct stp_plan *plan, const struct plan_pass *pass,
+                          const struct plan_tile *tile, const struct pass_resources *resources)
+{
+    if (pass->kind == PLAN_ARGUMENTS) {
+        uint8_t work = pass->access[0].resource;
+        reset_arguments(context, commands, tile, &resources->buffer[work]);
+        return;
+    }
+    VkDeviceSize bytes = plan->resource[pass->target].bytes / 4 * 4;
+    context->vk.vkCmdFillBuffer(commands, resources->buffer[pass->target].handle, 0, bytes,
+                                pass->value);
+}

@@ -1,0 +1,185 @@
+#include "record/record.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "base/vec.h"
+#include "scene/scene.h"
+
+static enum stp_result add_planes(struct stp_image *image, const char *const *names, bool half)
+{
+    for (; *names; names++) {
+        struct stp_channel *channel;
+        bool id = strcmp(*names, "id") == 0;
+        enum stp_result result = stp_image_add(
+            image, *names, id ? STP_CHANNEL_UINT : STP_CHANNEL_FLOAT, &channel);
+        if (result != STP_OK)
+            return result;
+        channel->half = half && !id;
+    }
+    return STP_OK;
+}
+
+static enum stp_result add_aovs(struct stp_image *image, unsigned aovs)
+{
+    static const struct {
+        unsigned aov;
+        const char *names[4];
+    } table[] = {
+        { STP_AOV_ALBEDO, { "albedo.R", "albedo.G", "albedo.B" } },
+        { STP_AOV_POSITION, { "P.X", "P.Y", "P.Z" } },
+        { STP_AOV_WEIGHT, { "weight" } },
+        { STP_AOV_FRAGMENTS, { "fragments" } },
+        { STP_AOV_COVERAGE, { "coverage" } },
+        { STP_AOV_ID, { "id" } },
+        { STP_AOV_LAYERS, { "layers" } },
+    };
+    enum stp_result result = STP_OK;
+    for (unsigned i = 0; result == STP_OK && i < sizeof table / sizeof *table; i++)
+        if (aovs & table[i].aov)
+            result = add_planes(image, table[i].names, false);
+    return result;
+}
+
+enum stp_result record_picture(const struct stp_env *env, const struct stp_scene *scene,
+                               const struct stp_plan *plan, struct stp_image **image)
+{
+    static const char *const planes[] = { "R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z", NULL };
+    struct stp_image *made = NULL;
+    enum stp_result result = stp_image_create(plan->camera.width, plan->camera.height, &made);
+    if (result == STP_OK)
+        result = add_planes(made, planes, false);
+    if (result == STP_OK)
+        result = add_aovs(made, plan->params.aovs);
+    if (result != STP_OK) {
+        stp_image_destroy(&made);
+        return log_error(env, result, "out of memory: a picture of %u x %u", plan->camera.width,
+                         plan->camera.height);
+    }
+    made->has_camera = true;
+    made->camera = plan->camera;
+    memcpy(made->origin, plan->facts.origin, sizeof made->origin);
+    made->two_sided = plan->facts.two_sided;
+    *image = made;
+    return STP_OK;
+}
+
+/* The planes of a picture and a tile's outputs, found once. */
+struct copying {
+    const struct stp_plan *plan;
+    const struct stp_scene *scene;
+    const float *color, *normal, *depth, *albedo;
+    const uint32_t *id;
+    float *rgba[4], *n[3], *z, *alb[3], *p[3], *weight, *fragments, *coverage, *layers;
+    uint32_t *ids;
+};
+
+static const void *output(const struct record_frame *frame, enum plan_slot slot)
+{
+    uint8_t i = plan_find(frame->plan, slot);
+    if (i == PLAN_NONE)
+        return NULL;
+    return frame->read_back[i].handle ? frame->read_back[i].mapped
+                                      : frame->resources.buffer[i].mapped;
+}
+
+static float *plane(const struct stp_image *image, const char *name)
+{
+    struct stp_channel *channel = stp_image_find(image, name);
+    return channel ? channel->data.f : NULL;
+}
+
+static void find_planes(struct copying *c, const struct stp_image *image)
+{
+    static const char *const rgba[] = { "R", "G", "B", "A" };
+    static const char *const normal[] = { "N.X", "N.Y", "N.Z" };
+    static const char *const albedo[] = { "albedo.R", "albedo.G", "albedo.B" };
+    static const char *const position[] = { "P.X", "P.Y", "P.Z" };
+    for (int i = 0; i < 4; i++)
+        c->rgba[i] = plane(image, rgba[i]);
+    for (int i = 0; i < 3; i++) {
+        c->n[i] = plane(image, normal[i]);
+        c->alb[i] = plane(image, albedo[i]);
+        c->p[i] = plane(image, position[i]);
+    }
+    c->z = plane(image, "Z");
+    c->weight = plane(image, "weight");
+    c->fragments = plane(image, "fragments");
+    c->coverage = plane(image, "coverage");
+    c->layers = plane(image, "layers");
+    struct stp_channel *ids = stp_image_find(image, "id");
+    c->ids = ids ? ids->data.u : NULL;
+}
+
+/* The point at depth z on the pixel's ray, relative to the origin; in double. */
+static void position_of(const struct copying *c, uint32_t x, uint32_t y, double z, size_t at)
+{
+    const struct stp_camera *camera = &c->plan->camera;
+    double dx = (x + 0.5 - camera->cx) / camera->fx, dy = -(y + 0.5 - camera->cy) / camera->fy;
+    double scale = camera->orthographic ? 1 : z;
+    const double *m = camera->world_to_camera;
+    struct vec3 e = v3_sub(v3(dx * scale, dy * scale, -z),
+                           m4_point(m, v3_load(c->plan->facts.origin)));
+    bool hit = isfinite(z);
+    for (int k = 0; k < 3; k++)
+        c->p[k][at] = hit ? (float)(m[k] * e.x + m[4 + k] * e.y + m[8 + k] * e.z) : 0;
+}
+
+static void copy_pixel(const struct copying *c, size_t from, size_t at, uint32_t x, uint32_t y)
+{
+    bool hit = isfinite(c->depth[from]);
+    for (int k = 0; k < 4; k++)
+        c->rgba[k][at] = c->color[4 * from + (size_t)k];
+    for (int k = 0; k < 3; k++) {
+        c->n[k][at] = c->normal[3 * from + (size_t)k];
+        if (c->alb[k])
+            c->alb[k][at] = c->albedo[4 * from + (size_t)k];
+    }
+    c->z[at] = c->depth[from];
+    if (c->p[0])
+        position_of(c, x, y, c->depth[from], at);
+    if (c->weight)
+        c->weight[at] = c->albedo[4 * from + 3];
+    if (c->fragments)
+        c->fragments[at] = hit ? (float)c->id[2 * from + 1] : 0;
+    if (c->coverage)
+        c->coverage[at] = hit;
+    if (c->layers)
+        c->layers[at] = hit;
+    if (c->ids)
+        c->ids[at] = hit ? c->scene->splats.input[c->id[2 * from]] : STP_NO_ID;
+}
+
+static void invalidate(struct record_frame *frame)
+{
+    struct stp_context *c = frame->context;
+    for (uint32_t i = 0; i < frame->plan->resource_count; i++) {
+        struct gpu_buffer *b =
+            frame->read_back[i].handle ? &frame->read_back[i] : &frame->resources.buffer[i];
+        if (frame->plan->resource[i].lifetime != PLAN_OUTPUT || b->coherent)
+            continue;
+        VkMappedMemoryRange range = { .sType = VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE,
+                                      .memory = b->memory,
+                                      .size = VK_WHOLE_SIZE };
+        c->vk.vkInvalidateMappedMemoryRanges(c->device, 1, &range);
+    }
+}
+
+void record_read_back(struct record_frame *frame, const struct stp_scene *scene,
+                      const struct plan_tile *tile, struct stp_image *image)
+{
+    struct copying c = { .plan = frame->plan,
+                         .scene = scene,
+                         .color = output(frame, PLAN_OUT_COLOR),
+                         .normal = output(frame, PLAN_OUT_NORMAL),
+                         .depth = output(frame, PLAN_OUT_DEPTH),
+                         .albedo = output(frame, PLAN_OUT_ALBEDO),
+                         .id = output(frame, PLAN_OUT_ID) };
+    invalidate(frame);
+    find_planes(&c, image);
+    for (uint32_t y = tile->keep[1]; y < tile->keep[3]; y++)
+        for (uint32_t x = tile->keep[0]; x < tile->keep[2]; x++)
+            copy_pixel(&c, (size_t)(y - tile->y) * tile->width + (x - tile->x),
+                       (size_t)y * image->width + x, x, y);
+}

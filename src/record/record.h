@@ -1,0 +1,41 @@
+/* Walks a plan: makes its resources and pipelines, records its passes with the barriers that their
+ * accesses ask for, and reads the outputs back. */
+#ifndef STP_RECORD_RECORD_H
+#define STP_RECORD_RECORD_H
+
+#include "passes/passes.h"
+
+struct stp_scene;
+
+struct record_frame {
+    const struct stp_plan *plan;
+    struct stp_context *context;
+    struct pass_resources resources;
+    VkPipeline pipeline[PLAN_MAX_PASSES];
+    struct gpu_buffer read_back[PLAN_MAX_RESOURCES]; /* of outputs that are not mapped */
+    VkQueryPool queries;                             /* one more than passes; may be null */
+};
+
+/* frame.c */
+enum stp_result record_frame_create(const struct stp_env *env, struct stp_context *context,
+                                    const struct stp_plan *plan, struct record_frame *frame);
+void record_frame_destroy(struct record_frame *frame);
+
+/* upload.c: the scene's buffers of the plan. */
+enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
+                              const struct stp_scene *scene);
+
+/* walk.c: records one tile; nothing is allocated, submitted or waited for. timed: a full barrier and
+ * a timestamp after every pass. skip_barrier: leaves out the barrier before that pass (tests prove
+ * with it that validation sees). */
+#define RECORD_NO_PASS UINT32_MAX
+void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
+                 bool timed, uint32_t skip_barrier);
+
+/* picture.c: outputs of one tile into the picture. */
+enum stp_result record_picture(const struct stp_env *env, const struct stp_scene *scene,
+                               const struct stp_plan *plan, struct stp_image **image);
+void record_read_back(struct record_frame *frame, const struct stp_scene *scene,
+                      const struct plan_tile *tile, struct stp_image *image);
+
+#endif

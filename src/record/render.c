@@ -1,0 +1,191 @@
+#include "record/record.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "reference/reference.h"
+#include "scene/scene.h"
+
+static double now_ms(void)
+{
+    struct timespec t;
+    clock_gettime(CLOCK_MONOTONIC, &t);
+    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
+}
+
+static int by_value(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+static double median(double *values, unsigned count)
+{
+    qsort(values, count, sizeof *values, by_value);
+    return count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
+}
+
+static enum stp_result run_tile(const struct stp_env *env, struct record_frame *frame,
+                                const struct plan_tile *tile, bool timed)
+{
+    enum stp_result result = gpu_begin(env, frame->context);
+    if (result != STP_OK)
+        return result;
+    record_walk(frame, frame->context->commands, tile, timed, RECORD_NO_PASS);
+    return gpu_submit_and_wait(env, frame->context);
+}
+
+/* All tiles once; *ms is record to fence, read-back apart. image NULL: nothing is read. */
+static enum stp_result run_frame(const struct stp_env *env, struct record_frame *frame,
+                                 const struct stp_scene *scene, struct stp_image *image, double *ms,
+                                 double *read_back_ms)
+{
+    const struct stp_plan *plan = frame->plan;
+    *ms = *read_back_ms = 0;
+    for (uint32_t i = 0; i < plan->tile_count; i++) {
+        double start = now_ms();
+        enum stp_result result = run_tile(env, frame, &plan->tile[i], false);
+        if (result != STP_OK)
+            return result;
+        double end = now_ms();
+        *ms += end - start;
+        if (image) {
+            record_read_back(frame, scene, &plan->tile[i], image);
+            *read_back_ms += now_ms() - end;
+            log_progress(env, "render", (i + 1.0) / plan->tile_count);
+        }
+    }
+    return STP_OK;
+}
+
+static enum stp_result add_timestamps(const struct stp_env *env, struct record_frame *frame,
+                                      double *ms)
+{
+    struct stp_context *c = frame->context;
+    uint64_t ticks[PLAN_MAX_PASSES + 1];
+    uint32_t count = frame->plan->pass_count;
+    VkResult status = c->vk.vkGetQueryPoolResults(c->device, frame->queries, 0, count + 1,
+                                                  sizeof ticks, ticks, sizeof *ticks,
+                                                  VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+    if (status != VK_SUCCESS)
+        return gpu_error(env, status, "vkGetQueryPoolResults");
+    for (uint32_t i = 0; i < count; i++)
+        ms[i] += (double)(ticks[i + 1] - ticks[i]) * c->timestamp_ms;
+    return STP_OK;
+}
+
+#define PROFILED 5
+
+/* A few more frames with a timestamp and a full barrier after every pass: the medians. */
+static enum stp_result profile(const struct stp_env *env, struct record_frame *frame,
+                               struct stp_render_stats *stats)
+{
+    const struct stp_plan *plan = frame->plan;
+    double ms[PROFILED][PLAN_MAX_PASSES] = { 0 }, column[PROFILED];
+    if (!frame->queries)
+        return STP_OK;
+    for (unsigned f = 0; f < PROFILED; f++) {
+        for (uint32_t t = 0; t < plan->tile_count; t++) {
+            enum stp_result result = run_tile(env, frame, &plan->tile[t], true);
+            if (result == STP_OK)
+                result = add_timestamps(env, frame, ms[f]);
+            if (result != STP_OK)
+                return result;
+        }
+    }
+    stats->pass_count = plan->pass_count;
+    for (uint32_t i = 0; i < plan->pass_count; i++) {
+        for (unsigned f = 0; f < PROFILED; f++)
+            column[f] = ms[f][i];
+        memcpy(stats->pass[i].name, plan->pass[i].name, sizeof plan->pass[i].name);
+        stats->pass[i].milliseconds = median(column, PROFILED);
+    }
+    return STP_OK;
+}
+
+static enum stp_result time_frames(const struct stp_env *env, struct record_frame *frame,
+                                   const struct stp_scene *scene, unsigned repeat,
+                                   struct stp_render_stats *stats)
+{
+    double unused, *ms = mem_alloc(repeat, sizeof *ms);
+    enum stp_result result = ms ? STP_OK : log_no_memory(env, repeat * sizeof *ms, "times");
+    for (unsigned i = 0; result == STP_OK && i < repeat; i++)
+        result = run_frame(env, frame, scene, NULL, &ms[i], &unused);
+    if (result == STP_OK) {
+        stats->frames = repeat;
+        stats->frame_ms_median = median(ms, repeat);
+        stats->frame_ms_min = ms[0];
+        stats->frame_ms_max = ms[repeat - 1];
+        result = profile(env, frame, stats);
+    }
+    mem_free(ms);
+    return result;
+}
+
+static enum stp_result run(const struct stp_env *env, struct record_frame *frame,
+                           const struct stp_scene *scene, unsigned repeat, struct stp_image *image,
+                           struct stp_render_stats *stats)
+{
+    double start = now_ms();
+    enum stp_result result = record_upload(env, frame, scene);
+    stats->upload_ms = now_ms() - start;
+    if (result == STP_OK)
+        result = run_frame(env, frame, scene, image, &stats->first_frame_ms, &stats->read_back_ms);
+    if (result == STP_OK && repeat)
+        result = time_frames(env, frame, scene, repeat, stats);
+    if (result == STP_OK && frame->context->messages)
+        result = log_error(env, STP_ERROR_VALIDATION, "%u validation messages",
+                           frame->context->messages);
+    return result;
+}
+
+static enum stp_result render_on_device(const struct stp_env *env, struct stp_context *context,
+                                        const struct stp_scene *scene, const struct stp_plan *plan,
+                                        unsigned repeat, struct stp_image **image,
+                                        struct stp_render_stats *stats)
+{
+    struct record_frame frame;
+    struct stp_image *made = NULL;
+    enum stp_result result = record_picture(env, scene, plan, &made);
+    if (result != STP_OK)
+        return result;
+    double start = now_ms();
+    result = record_frame_create(env, context, plan, &frame);
+    double created = now_ms() - start;
+    if (result == STP_OK) {
+        result = run(env, &frame, scene, repeat, made, stats);
+        stats->first_frame_ms += created;
+        record_frame_destroy(&frame);
+    }
+    stats->bytes_scene = plan_bytes(plan, PLAN_SCENE);
+    stats->bytes_transient = plan_bytes(plan, PLAN_TRANSIENT) + plan_bytes(plan, PLAN_OUTPUT);
+    stats->bytes_peak = context->peak;
+    if (result == STP_OK)
+        *image = made;
+    else
+        stp_image_destroy(&made);
+    return result;
+}
+
+enum stp_result stp_render(const struct stp_env *env, struct stp_context *context,
+                           const struct stp_scene *scene, const struct stp_plan *plan,
+                           unsigned repeat, struct stp_image **image,
+                           struct stp_render_stats *stats)
+{
+    struct stp_render_stats unused;
+    if (!stats)
+        stats = &unused;
+    *stats = (struct stp_render_stats){ 0 };
+    if (plan->method != STP_METHOD_REFERENCE)
+        return context ? render_on_device(env, context, scene, plan, repeat, image, stats)
+                       : log_error(env, STP_ERROR_ARGUMENT, "method %s needs a context",
+                                   stp_method_name(plan->method));
+    double start = now_ms();
+    enum stp_result result =
+        reference_render(env, scene, &plan->camera, &plan->params, image);
+    stats->first_frame_ms = now_ms() - start;
+    return result;
+}

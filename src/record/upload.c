@@ -1,0 +1,115 @@
+#include "record/record.h"
+
+#include <string.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/thread.h"
+#include "scene/scene.h"
+
+struct packing {
+    const struct splats *splats;
+    float (*out)[8];
+};
+
+/* Two vectors a splat: position relative to the origin and radius; normal and tag. */
+static void pack(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct packing *p = context;
+    const struct splats *s = p->splats;
+    for (size_t i = begin; i < end; i++) {
+        float *out = p->out[i];
+        for (int k = 0; k < 3; k++) {
+            out[k] = (float)(s->position[i][k] - s->origin[k]);
+            out[4 + k] = s->normal[i][k];
+        }
+        out[3] = s->radius[i];
+        uint32_t tag = (s->group ? s->group[i] : 0u) | (s->object ? (uint32_t)s->object[i] << 8 : 0u);
+        memcpy(&out[7], &tag, 4);
+    }
+}
+
+static enum stp_result upload_splats(const struct stp_env *env, struct record_frame *frame,
+                                     const struct splats *splats, struct gpu_buffer *buffer)
+{
+    struct packing packing = { splats, NULL };
+    bool direct = buffer->mapped && buffer->coherent;
+    packing.out = direct ? buffer->mapped : mem_alloc(splats->count, 32);
+    if (!packing.out)
+        return log_no_memory(env, splats->count * 32, "staging of splats");
+    parallel_for(env, splats->count, 16384, pack, &packing);
+    if (direct)
+        return STP_OK;
+    enum stp_result result =
+        gpu_upload(env, frame->context, buffer, packing.out, splats->count * 32);
+    mem_free(packing.out);
+    return result;
+}
+
+static enum stp_result upload_materials(const struct stp_env *env, struct record_frame *frame,
+                                        const struct stp_scene *scene, struct gpu_buffer *buffer)
+{
+    struct stp_material_gpu *out = mem_alloc(scene->object_count, sizeof *out);
+    if (!out)
+        return log_no_memory(env, scene->object_count * sizeof *out, "materials");
+    double epsilon = frame->plan->params.epsilon;
+    for (unsigned i = 0; i < scene->object_count; i++) {
+        const struct scene_object *o = &scene->objects[i];
+        const struct stp_material *m = &o->material;
+        out[i] = (struct stp_material_gpu){
+            .ambient = m->ambient,
+            .diffuse = m->diffuse,
+            .specular = m->specular,
+            .shininess = m->shininess,
+            .albedo = { m->albedo[0], m->albedo[1], m->albedo[2] },
+            .epsilon = (float)(epsilon > 0 ? epsilon : o->epsilon),
+        };
+    }
+    enum stp_result result =
+        gpu_upload(env, frame->context, buffer, out, scene->object_count * sizeof *out);
+    mem_free(out);
+    return result;
+}
+
+static enum stp_result upload_order(const struct stp_env *env, struct record_frame *frame,
+                                    const struct splats *splats, struct gpu_buffer *buffer)
+{
+    uint32_t next[STP_MAX_GROUPS];
+    memcpy(next, frame->plan->group_first, sizeof next);
+    uint32_t *order = mem_alloc(splats->count, sizeof *order);
+    if (!order)
+        return log_no_memory(env, splats->count * sizeof *order, "the order of groups");
+    for (size_t i = 0; i < splats->count; i++)
+        order[next[splats->group[i]]++] = (uint32_t)i;
+    enum stp_result result =
+        gpu_upload(env, frame->context, buffer, order, splats->count * sizeof *order);
+    mem_free(order);
+    return result;
+}
+
+enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
+                              const struct stp_scene *scene)
+{
+    enum stp_result result = STP_OK;
+    for (uint32_t i = 0; result == STP_OK && i < frame->plan->resource_count; i++) {
+        struct gpu_buffer *buffer = &frame->resources.buffer[i];
+        switch (frame->plan->resource[i].slot) {
+        case PLAN_SPLATS:
+            result = upload_splats(env, frame, &scene->splats, buffer);
+            break;
+        case PLAN_COLORS:
+            result = gpu_upload(env, frame->context, buffer, scene->splats.color,
+                                scene->splats.count * 12);
+            break;
+        case PLAN_MATERIALS:
+            result = upload_materials(env, frame, scene, buffer);
+            break;
+        case PLAN_ORDER:
+            result = upload_order(env, frame, &scene->splats, buffer);
+            break;
+        default:
+            break;
+        }
+    }
+    return result;
+}

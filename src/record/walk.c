@@ -1,0 +1,213 @@
+/* Barriers come from what passes declare: a hazard on any resource asks for one memory barrier. */
+#include "record/record.h"
+
+struct scope {
+    VkPipelineStageFlags2 stages;
+    VkAccessFlags2 access;
+};
+
+/* What has touched each resource since it was last waited for. */
+struct hazards {
+    struct scope written[PLAN_MAX_RESOURCES];
+    VkPipelineStageFlags2 read[PLAN_MAX_RESOURCES];
+};
+
+static struct scope attachment_scope(const struct plan_resource *resource)
+{
+    if (resource->format == PLAN_D32F)
+        return (struct scope){ VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |
+                                   VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
+                               VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
+                                   VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT };
+    return (struct scope){ VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
+                           VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT |
+                               VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT };
+}
+
+static struct scope scope_of(const struct stp_plan *plan, const struct plan_pass *pass,
+                             const struct plan_access *access)
+{
+    const struct plan_resource *resource = &plan->resource[access->resource];
+    if (pass->kind == PLAN_FILL || pass->kind == PLAN_ARGUMENTS)
+        return (struct scope){ VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT };
+    if (access->kind & PLAN_ATTACHMENT)
+        return attachment_scope(resource);
+    struct scope scope = { pass->kind == PLAN_DRAW ? VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
+                                                         VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT
+                                                   : VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                           0 };
+    if (access->kind & PLAN_READ)
+        scope.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
+    if (access->kind & PLAN_WRITE)
+        scope.access |= VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
+    if (pass->kind == PLAN_DISPATCH_INDIRECT && resource->slot == PLAN_WORK) {
+        scope.stages |= VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
+        scope.access |= VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
+    }
+    return scope;
+}
+
+static void barrier(struct record_frame *frame, VkCommandBuffer commands,
+                    const VkMemoryBarrier2 *memory)
+{
+    VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                              .memoryBarrierCount = 1,
+                              .pMemoryBarriers = memory };
+    frame->context->vk.vkCmdPipelineBarrier2(commands, &info);
+}
+
+/* Adds what this access must wait for, and notes it for those that follow. */
+static void collect(const struct stp_plan *plan, const struct plan_pass *pass,
+                    const struct plan_access *access, struct hazards *hazards,
+                    VkMemoryBarrier2 *memory)
+{
+    uint8_t r = access->resource;
+    struct scope scope = scope_of(plan, pass, access);
+    bool writes = (access->kind & PLAN_WRITE) != 0;
+    if (hazards->written[r].stages || (writes && hazards->read[r])) {
+        memory->srcStageMask |= hazards->written[r].stages | (writes ? hazards->read[r] : 0);
+        memory->srcAccessMask |= hazards->written[r].access;
+        memory->dstStageMask |= scope.stages;
+        memory->dstAccessMask |= scope.access;
+    }
+    if (writes) {
+        hazards->written[r] = scope;
+        hazards->read[r] = 0;
+    } else {
+        hazards->read[r] |= scope.stages;
+    }
+}
+
+static void synchronise(struct record_frame *frame, VkCommandBuffer commands,
+                        const struct plan_pass *pass, struct hazards *hazards, bool skip)
+{
+    VkMemoryBarrier2 memory = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2 };
+    for (unsigned i = 0; i < pass->access_count; i++)
+        collect(frame->plan, pass, &pass->access[i], hazards, &memory);
+    if (memory.srcStageMask && !skip)
+        barrier(frame, commands, &memory);
+}
+
+/* Images are in the general layout throughout: they are attachments once and storage once, and a
+ * transition between would cost more than it could gain. */
+static void begin(struct record_frame *frame, VkCommandBuffer commands)
+{
+    VkImageMemoryBarrier2 images[PLAN_MAX_RESOURCES];
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < frame->plan->resource_count; i++) {
+        struct gpu_image *image = &frame->resources.image[i];
+        if (!image->handle)
+            continue;
+        images[count++] = (VkImageMemoryBarrier2){
+            .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+            .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+            .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+            .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+            .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
+            .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+            .newLayout = VK_IMAGE_LAYOUT_GENERAL,
+            .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+            .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+            .image = image->handle,
+            .subresourceRange = { image->aspect, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS }
+        };
+    }
+    VkMemoryBarrier2 memory = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT |
+                                                 VK_ACCESS_2_MEMORY_WRITE_BIT };
+    VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                              .memoryBarrierCount = 1,
+                              .pMemoryBarriers = &memory,
+                              .imageMemoryBarrierCount = count,
+                              .pImageMemoryBarriers = images };
+    frame->context->vk.vkCmdPipelineBarrier2(commands, &info);
+}
+
+static void write_constants(struct record_frame *frame, VkCommandBuffer commands,
+                            const struct plan_tile *tile)
+{
+    struct stp_frame_constants constants = pass_constants(frame->plan, &frame->resources, tile);
+    frame->context->vk.vkCmdUpdateBuffer(commands, frame->resources.constants.handle, 0,
+                                         sizeof constants, &constants);
+    VkMemoryBarrier2 memory = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                .srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                                .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT,
+                                .dstStageMask = VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
+                                                VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT |
+                                                VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
+                                .dstAccessMask = VK_ACCESS_2_UNIFORM_READ_BIT };
+    barrier(frame, commands, &memory);
+}
+
+static void bind(struct record_frame *frame, VkCommandBuffer commands)
+{
+    const VkPipelineBindPoint points[] = { VK_PIPELINE_BIND_POINT_COMPUTE,
+                                           VK_PIPELINE_BIND_POINT_GRAPHICS };
+    for (int i = 0; i < 2; i++)
+        frame->context->vk.vkCmdBindDescriptorSets(commands, points[i], frame->resources.layout, 0,
+                                                   1, &frame->resources.set, 0, NULL);
+}
+
+static void stamp(struct record_frame *frame, VkCommandBuffer commands, uint32_t query)
+{
+    VkMemoryBarrier2 all = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                             .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                             .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                             .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                             .dstAccessMask =
+                                 VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT };
+    barrier(frame, commands, &all);
+    frame->context->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                            frame->queries, query);
+}
+
+/* Outputs to where the host reads them. */
+static void finish(struct record_frame *frame, VkCommandBuffer commands)
+{
+    const struct stp_plan *plan = frame->plan;
+    bool copies = false;
+    VkMemoryBarrier2 memory = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                                .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                                .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT |
+                                                VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                                .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT |
+                                                 VK_ACCESS_2_TRANSFER_READ_BIT };
+    barrier(frame, commands, &memory);
+    for (uint32_t i = 0; i < plan->resource_count; i++) {
+        if (!frame->read_back[i].handle)
+            continue;
+        VkBufferCopy copy = { .size = plan->resource[i].bytes };
+        frame->context->vk.vkCmdCopyBuffer(commands, frame->resources.buffer[i].handle,
+                                           frame->read_back[i].handle, 1, &copy);
+        copies = true;
+    }
+    if (copies)
+        barrier(frame, commands, &memory);
+}
+
+void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
+                 bool timed, uint32_t skip_barrier)
+{
+    const struct stp_plan *plan = frame->plan;
+    struct hazards hazards = { 0 };
+    timed = timed && frame->queries;
+    if (timed)
+        frame->context->vk.vkCmdResetQueryPool(commands, frame->queries, 0, plan->pass_count + 1);
+    begin(frame, commands);
+    write_constants(frame, commands, tile);
+    bind(frame, commands);
+    if (timed)
+        stamp(frame, commands, 0);
+    for (uint32_t i = 0; i < plan->pass_count; i++) {
+        synchronise(frame, commands, &plan->pass[i], &hazards, i == skip_barrier);
+        pass_record(frame->context, commands, plan, &plan->pass[i], tile, &frame->resources,
+                    frame->pipeline[i]);
+        if (timed)
+            stamp(frame, commands, i + 1);
+    }
+    finish(frame, commands);
+}

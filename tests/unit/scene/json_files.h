@@ -1,0 +1,70 @@
+/* Scratch files and a counting log for the tests of JSON. */
+#ifndef TEST_JSON_FILES_H
+#define TEST_JSON_FILES_H
+
+#include <limits.h>
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+#include <cmocka.h>
+#include <stipple/view.h>
+
+struct log_book {
+    unsigned errors, warnings;
+    char error[1024], warning[1024];
+};
+
+static inline void take_line(void *user, enum stp_log_level level, const char *line)
+{
+    struct log_book *book = user;
+    if (level == STP_LOG_ERROR) {
+        book->errors++;
+        snprintf(book->error, sizeof book->error, "%s", line);
+    } else if (level == STP_LOG_WARNING) {
+        book->warnings++;
+        snprintf(book->warning, sizeof book->warning, "%s", line);
+    }
+}
+
+static inline struct stp_env logged_env(struct log_book *book)
+{
+    *book = (struct log_book){ 0 };
+    return (struct stp_env){ .log = take_line, .user = book };
+}
+
+static inline char *in_folder(const char *folder, const char *name, char path[PATH_MAX])
+{
+    snprintf(path, PATH_MAX, "%s/%s", folder, name);
+    return path;
+}
+
+static inline void put_file(const char *folder, const char *name, const char *text)
+{
+    char path[PATH_MAX];
+    FILE *file = fopen(in_folder(folder, name, path), "wb");
+    assert_non_null(file);
+    fputs(text, file);
+    assert_int_equal(fclose(file), 0);
+}
+
+static inline int make_folder(void **state)
+{
+    static char folder[64];
+    strcpy(folder, "/tmp/stipple-test-XXXXXX");
+    *state = mkdtemp(folder);
+    return *state ? 0 : -1;
+}
+
+static inline int remove_folder(void **state)
+{
+    char line[128];
+    snprintf(line, sizeof line, "rm -r %s", (const char *)*state);
+    return system(line);
+}
+
+#endif
