@@ -52,8 +52,7 @@ enum stp_result stp_context_create(const struct stp_env *env,
     struct stp_context *made = mem_zalloc(1, sizeof *made);
     if (!made)
         return log_no_memory(env, sizeof *made, "the context");
-    if (env)
-        made->env = *env;
+    made->env = env;
     enum stp_result result = gpu_instance_create(env, params->validate, made, &made->instance);
     if (result == STP_OK)
         result = choose(env, params, made);
@@ -65,6 +64,7 @@ enum stp_result stp_context_create(const struct stp_env *env,
     }
     if (result == STP_OK)
         result = gpu_device_create(env, made);
+    made->env = NULL;
     if (result != STP_OK)
         stp_context_destroy(&made);
     else

@@ -54,6 +54,7 @@ static void survey_features(const struct gpu_instance *instance, VkPhysicalDevic
     lack(info, f.v12.scalarBlockLayout, true, "scalarBlockLayout");
     lack(info, f.v13.dynamicRendering, true, "dynamicRendering");
     lack(info, f.v13.synchronization2, true, "synchronization2");
+    lack(info, f.v13.maintenance4, true, "maintenance4");
     lack(info, f.core.features.shaderInt64, true, "shaderInt64");
     lack(info, f.core.features.shaderStorageImageExtendedFormats, true,
          "shaderStorageImageExtendedFormats");
@@ -142,7 +143,7 @@ static VkResult create_device(struct stp_context *context)
     f.v12.bufferDeviceAddress = f.v12.scalarBlockLayout = VK_TRUE;
     f.v12.shaderBufferInt64Atomics = (optional & STP_FEATURE_INT64_ATOMICS) != 0;
     f.v12.shaderOutputLayer = (optional & STP_FEATURE_VERTEX_LAYER) != 0;
-    f.v13.dynamicRendering = f.v13.synchronization2 = VK_TRUE;
+    f.v13.dynamicRendering = f.v13.synchronization2 = f.v13.maintenance4 = VK_TRUE;
     float priority = 1;
     VkDeviceQueueCreateInfo queue = { .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                       .queueFamilyIndex = context->family,

@@ -32,7 +32,7 @@ struct stp_context {
     double timestamp_ms; /* of one tick; 0: no timestamps */
     uint64_t allocated, peak; /* bytes of device memory */
     unsigned messages;        /* of the validation layers */
-    struct stp_env env;       /* where late messages go */
+    const struct stp_env *env; /* of the call that is running; NULL between calls */
 };
 
 /* gpu/instance.c */

@@ -53,7 +53,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL message(VkDebugUtilsMessageSeverityFlagBit
         return VK_FALSE;
     if (context) {
         context->messages++;
-        log_error(&context->env, STP_ERROR_VALIDATION, "validation: %.900s", data->pMessage);
+        log_error(context->env, STP_ERROR_VALIDATION, "validation: %.900s", data->pMessage);
     }
     return VK_FALSE;
 }

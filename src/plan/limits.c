@@ -1,5 +1,6 @@
 #include "plan/plan.h"
 
+#include <stdio.h>
 #include <string.h>
 
 #include "base/json.h"
@@ -19,4 +20,95 @@ void stp_limits_lavapipe(struct stp_limits *limits)
         .max_workgroups = 65535,
         .processor = 1,
     };
+}
+
+static enum stp_result get_count(const struct json_at *at, const cJSON *root, const char *key,
+                                 double most, double *value)
+{
+    if (!json_has(root, key))
+        return json_error(at, key, "is missing; write the profile with stipple devices --json");
+    enum stp_result result = json_get_number(at, root, key, value);
+    if (result == STP_OK && !(*value >= 1 && *value <= most))
+        result = json_error(at, key, "is out of range");
+    return result;
+}
+
+static enum stp_result get_features(const struct json_at *at, const cJSON *root, unsigned *features)
+{
+    const cJSON *item, *list = cJSON_GetObjectItemCaseSensitive(root, "features");
+    if (!cJSON_IsArray(list))
+        return json_error(at, "features", "is not a list of names");
+    cJSON_ArrayForEach(item, list)
+    {
+        unsigned bit = 1;
+        const char *name;
+        while ((name = stp_feature_name((enum stp_feature)bit)) &&
+               !(cJSON_IsString(item) && strcmp(item->valuestring, name) == 0))
+            bit *= 2;
+        if (!name)
+            return json_error(at, "features", "names a feature that is not known");
+        *features |= bit;
+    }
+    return STP_OK;
+}
+
+static enum stp_result get_text(const struct json_at *at, const cJSON *root, const char *key,
+                                char *text, size_t size)
+{
+    const char *value = "";
+    enum stp_result result = json_get_string(at, root, key, &value);
+    if (result == STP_OK)
+        snprintf(text, size, "%s", value);
+    return result;
+}
+
+static enum stp_result read_limits(const struct json_at *at, const cJSON *root,
+                                   struct stp_limits *limits)
+{
+    double heap = 0, allocation = 0, size = 0, layers = 0, groups = 0, processor = 0;
+    enum stp_result result = json_check_object(
+        at, root,
+        "device driver features heap_bytes max_allocation max_image_size max_image_layers "
+        "max_workgroups processor api_version usable lacks");
+    if (result == STP_OK)
+        result = get_text(at, root, "device", limits->device, sizeof limits->device);
+    if (result == STP_OK)
+        result = get_text(at, root, "driver", limits->driver, sizeof limits->driver);
+    if (result == STP_OK)
+        result = get_features(at, root, &limits->features);
+    if (result == STP_OK)
+        result = get_count(at, root, "heap_bytes", 0x1p53, &heap);
+    if (result == STP_OK)
+        result = get_count(at, root, "max_allocation", 0x1p53, &allocation);
+    if (result == STP_OK)
+        result = get_count(at, root, "max_image_size", 0x1p32 - 1, &size);
+    if (result == STP_OK)
+        result = get_count(at, root, "max_image_layers", 0x1p32 - 1, &layers);
+    if (result == STP_OK)
+        result = get_count(at, root, "max_workgroups", 0x1p32 - 1, &groups);
+    if (result == STP_OK)
+        result = get_count(at, root, "processor", 2, &processor);
+    limits->heap_bytes = (uint64_t)heap;
+    limits->max_allocation = (uint64_t)allocation;
+    limits->max_image_size = (uint32_t)size;
+    limits->max_image_layers = (uint32_t)layers;
+    limits->max_workgroups = (uint32_t)groups;
+    limits->processor = (uint32_t)processor;
+    return result;
+}
+
+enum stp_result stp_limits_load(const struct stp_env *env, const char *path,
+                                struct stp_limits *limits)
+{
+    cJSON *root = NULL;
+    struct stp_limits read = { 0 };
+    enum stp_result result = json_read(env, path, &root);
+    if (result != STP_OK)
+        return result;
+    struct json_at at = json_root(env, path);
+    result = read_limits(&at, root, &read);
+    cJSON_Delete(root);
+    if (result == STP_OK)
+        *limits = read;
+    return result;
 }

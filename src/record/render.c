@@ -149,17 +149,18 @@ static enum stp_result render_on_device(const struct stp_env *env, struct stp_co
 {
     struct record_frame frame;
     struct stp_image *made = NULL;
+    context->env = env;
     enum stp_result result = record_picture(env, scene, plan, &made);
-    if (result != STP_OK)
-        return result;
     double start = now_ms();
-    result = record_frame_create(env, context, plan, &frame);
-    double created = now_ms() - start;
+    if (result == STP_OK)
+        result = record_frame_create(env, context, plan, &frame);
     if (result == STP_OK) {
+        double created = now_ms() - start;
         result = run(env, &frame, scene, repeat, made, stats);
         stats->first_frame_ms += created;
         record_frame_destroy(&frame);
     }
+    context->env = NULL;
     stats->bytes_scene = plan_bytes(plan, PLAN_SCENE);
     stats->bytes_transient = plan_bytes(plan, PLAN_TRANSIENT) + plan_bytes(plan, PLAN_OUTPUT);
     stats->bytes_peak = context->peak;
