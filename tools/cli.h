@@ -198,7 +198,7 @@ struct context_job {
 /* The job must not move until it is closed. */
 void context_start(struct context_job *job, struct console *console,
                    const struct stp_context_params *params);
-/* Waits. A failure is said with what a user can do about it. */
+/* Waits; logs a failure. */
 int context_finish(struct context_job *job, const struct stp_limits **limits);
 /* Safe for a job that was never started. */
 void context_close(struct context_job *job);

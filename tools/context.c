@@ -1,7 +1,7 @@
 /* The device's context, made on a thread of its own while the scene is loaded. */
 #include "cli.h"
 
-/* Kept: context_finish adds advice to it. */
+/* Kept until context_finish: when the input is bad, that is the one line to print. */
 static void keep_error(void *user, enum stp_log_level level, const char *line)
 {
     struct context_job *job = user;
@@ -44,11 +44,7 @@ int context_finish(struct context_job *job, const struct stp_limits **limits)
         *limits = stp_context_limits(job->context);
         return EXIT_DONE;
     }
-    bool no_device = job->result == STP_ERROR_NO_DEVICE && !job->params.device;
-    console_error(job->console, "%s%s", job->error,
-                  no_device ? "; install a Vulkan driver (mesa-vulkan-drivers needs no GPU), or "
-                              "use --method reference"
-                            : "");
+    console_error(job->console, "%s", job->error);
     return EXIT_FAILED;
 }
 

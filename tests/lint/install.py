@@ -1,19 +1,17 @@
 #!/usr/bin/env python3
-"""What `ninja install` puts down can be used: the library shows only stp_ symbols, a program
-builds with its pkg-config file and runs, the command and the manual page are there.
+"""What `ninja install` puts down can be used: the library shows only stp_ symbols, README's example
+builds with the pkg-config file and runs, the command and the manual page are there.
 usage: install.py BUILD CC"""
 import glob
 import os
+import re
 import subprocess
 import sys
 import tempfile
 
 import tree
 
-PROGRAM = """#include <stipple/stipple.h>
-#include <string.h>
-int main(void) { return strcmp(stp_version(), "%s") != 0; }
-"""
+POINTS = "".join(f"{x} {y} {(x * x + y * y) / 50}\n" for x in range(-9, 10) for y in range(-9, 10))
 
 
 def run(*command, **more):
@@ -36,18 +34,27 @@ def symbol_faults(library):
             yield f"libstipple.so shows {name}"
 
 
-def program_faults(folder, prefix, compiler, version):
-    library = one(folder, "libstipple.so")
+def example():
+    """README's block of C as a whole program that checks the version it was built for."""
+    block = re.search(r"```c\n(.*?)```", tree.text("README.md"), re.S)[1]
+    include, body = block.split("\n", 1)
+    return f"{include}\nint main(void)\n{{\n{body}\nreturn stp_version()[0] == 0;\n}}\n"
+
+
+def program_faults(folder, compiler):
+    """Builds and runs the example in `folder`, on a small scan.ply that is text."""
     pkgconfig = os.path.dirname(one(folder, "stipple.pc"))
     env = {**os.environ, "PKG_CONFIG_PATH": pkgconfig, "PKG_CONFIG_SYSROOT_DIR": folder}
     flags = run("pkg-config", "--cflags", "--libs", "stipple", env=env).split()
     source, program = os.path.join(folder, "use.c"), os.path.join(folder, "use")
-    with open(source, "w", encoding="utf-8") as file:
-        file.write(PROGRAM % version)
-    run(*compiler.split(), source, "-o", program, *flags)
-    env["LD_LIBRARY_PATH"] = os.path.dirname(library)
-    if subprocess.run([program], env=env).returncode:
-        yield "the program built against the installed library failed"
+    for name, content in [("use.c", example()), ("scan.ply", POINTS)]:
+        with open(os.path.join(folder, name), "w", encoding="utf-8") as file:
+            file.write(content)
+    run(*compiler.split(), "-Wall", "-Werror", source, "-o", program, *flags)
+    env["LD_LIBRARY_PATH"] = os.path.dirname(one(folder, "libstipple.so"))
+    ran = subprocess.run([program], env=env, cwd=folder, capture_output=True, text=True)
+    if ran.returncode or not os.path.exists(os.path.join(folder, "scan.exr")):
+        yield f"README's example ended with {ran.returncode}: {ran.stderr}"
     if "libstipple.so.0" not in run("readelf", "-d", program):
         yield "the program does not ask for libstipple.so.0"
 
@@ -56,10 +63,9 @@ def main(build, compiler):
     faults = []
     with tempfile.TemporaryDirectory() as folder:
         run("meson", "install", "-C", build, "--no-rebuild", "--destdir", folder)
-        command = one(folder, "bin/stipple")
-        version = run(command, "--version").split()[1]
+        run(one(folder, "bin/stipple"), "--version")
         faults += symbol_faults(os.path.realpath(one(folder, "libstipple.so")))
-        faults += program_faults(folder, build, compiler, version)
+        faults += program_faults(folder, compiler)
         for name in ["stipple.1", "include/stipple/stipple.h"]:
             one(folder, name)
     tree.finish(4, faults)
