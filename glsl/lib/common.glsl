@@ -43,5 +43,6 @@ layout(constant_id = 16) const bool REPAIR = false;      // two-pass code on ove
 layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside packed slots
 layout(constant_id = 18) const bool ATOMIC64 = true;
 layout(constant_id = 19) const bool LAYERED = false;     // raster: gl_Layer from the vertex shader
+// constant_id 20 chooses the modules compiled WITH_FLOAT64
 
 layout(push_constant) uniform Push { uint push_layer; uint push_first; };

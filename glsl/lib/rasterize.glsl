@@ -14,7 +14,7 @@ layout(local_size_x = STP_GROUP) in;
 void visit(uint id, Splat s, Footprint f, uint encoded, uvec2 pixel)
 {
     Fragment fragment;
-    if (footprint_hit(f, vec2(pixel) + 0.5 - f.p, fragment))
+    if (footprint_hit(f, place_offset(f.p, pixel), fragment))
         fragment_emit(pixel_index(pixel - uvec2(frame.tile_x, frame.tile_y)), id, s, fragment,
                       encoded);
 }

@@ -20,13 +20,13 @@ bool resolve_pixel(out uvec2 p, out uint pixel)
     return block_pixel(block, gl_LocalInvocationIndex, p);
 }
 
-// The fragment that splat `id` had at this pixel, by the same arithmetic.
-Fragment fragment_again(uint id, vec2 center, out Splat s)
+// The fragment that splat `id` had at this pixel of the tile, by the same arithmetic.
+Fragment fragment_again(uint id, uvec2 pixel, out Splat s)
 {
     splat_load(id, s);
     bool floored;
     Footprint f = footprint_make(s, floored);
     Fragment fragment;
-    footprint_hit(f, center - f.p, fragment);
+    footprint_hit(f, place_offset(f.p, pixel + uvec2(frame.tile_x, frame.tile_y)), fragment);
     return fragment;
 }

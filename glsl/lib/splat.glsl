@@ -1,15 +1,22 @@
 // A splat on the screen (docs/numerics.md). Camera frame: x right, y down, z forward.
 
+// A point of the picture: whole pixels and a fraction, so that offsets keep their precision.
+struct Place {
+    ivec2 whole;
+    vec2 part;
+};
+
 struct Splat {
     vec3 center, normal;
     float radius;
-    uint tag; // group | object << 8
+    uint tag;  // group | object << 8
+    Place place;
 };
 
 // With offset d from the projected centre, in pixels:
 //   den = g + ab.d,  rho^2 = (q.x dx^2 + 2 q.y dx dy + q.z dy^2) / den^2,  depth = zc + h.d / den
 struct Footprint {
-    vec2 p;
+    Place p;
     float g;
     vec2 ab;
     vec3 q;
@@ -27,14 +34,51 @@ uint splat_group(Splat s)
     return s.tag & 255u;
 }
 
+vec2 place_position(Place p)
+{
+    return vec2(p.whole) + p.part;
+}
+
+// From the place to the centre of a pixel of the whole picture.
+vec2 place_offset(Place p, uvec2 pixel)
+{
+    return vec2(ivec2(pixel) - p.whole) + (0.5 - p.part);
+}
+
+// Camera frame and projection of the centre. In double where the device can: a pixel on an outline
+// then falls on the side where the reference puts it (docs/results/accuracy.md). A splat far
+// outside the picture keeps its place within what an int holds.
+#ifdef WITH_FLOAT64
+#define REAL double
+#define REAL2 dvec2
+#define REAL3 dvec3
+#define FRAME(name) frame.name##64
+#else
+#define REAL float
+#define REAL2 vec2
+#define REAL3 vec3
+#define FRAME(name) frame.name
+#endif
+void splat_place(vec3 a, inout Splat s)
+{
+    const REAL r[9] = FRAME(rotation), t[3] = FRAME(translation);
+    REAL3 c = REAL3(r[0] * a.x + r[1] * a.y + r[2] * a.z + t[0],
+                    r[3] * a.x + r[4] * a.y + r[5] * a.z + t[1],
+                    r[6] * a.x + r[7] * a.y + r[8] * a.z + t[2]);
+    REAL2 d = ORTHOGRAPHIC ? c.xy : c.xy / c.z;
+    REAL2 p = REAL2(FRAME(center)[0], FRAME(center)[1]) +
+              REAL2(FRAME(focal)[0], FRAME(focal)[1]) * d;
+    REAL2 whole = floor(clamp(p, REAL2(-1e8), REAL2(1e8)));
+    s.center = vec3(c);
+    s.place = Place(ivec2(whole), vec2(p - whole));
+}
+
 // False: culled.
 bool splat_load(uint id, out Splat s)
 {
     vec4 a = frame.splats.v[2 * id], b = frame.splats.v[2 * id + 1];
-    const float r[9] = frame.rotation, t[3] = frame.translation;
-    s.center = vec3(r[0] * a.x + r[1] * a.y + r[2] * a.z + t[0],
-                    r[3] * a.x + r[4] * a.y + r[5] * a.z + t[1],
-                    r[6] * a.x + r[7] * a.y + r[8] * a.z + t[2]);
+    const float r[9] = frame.rotation;
+    splat_place(a.xyz, s);
     s.normal = vec3(r[0] * b.x + r[1] * b.y + r[2] * b.z, r[3] * b.x + r[4] * b.y + r[5] * b.z,
                     r[6] * b.x + r[7] * b.y + r[8] * b.z);
     s.radius = a.w;
@@ -56,7 +100,7 @@ Footprint footprint_exact(Splat s)
 {
     Footprint f;
     vec2 d = splat_direction(s), i = vec2(frame.inv_focal[0], frame.inv_focal[1]);
-    f.p = vec2(frame.center[0], frame.center[1]) + vec2(frame.focal[0], frame.focal[1]) * d;
+    f.p = s.place;
     f.zc = s.center.z;
     f.reach = 1.0 / 0.0;
     vec2 n = s.normal.xy * i;
@@ -189,7 +233,7 @@ ivec4 pixels_of(vec4 box)
 
 ivec4 footprint_pixels(Splat s, Footprint f, bool floored)
 {
-    return pixels_of(footprint_extent(s, f, floored) + f.p.xyxy);
+    return pixels_of(footprint_extent(s, f, floored) + place_position(f.p).xyxy);
 }
 
 // The epsilon of the object that splat `id` belongs to.

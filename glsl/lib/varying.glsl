@@ -5,7 +5,8 @@
 #define VARY(at) layout(location = at) flat out
 #endif
 VARY(0) uint vary_id;
-VARY(1) vec4 vary_a; // p, zc, g
+VARY(1) vec4 vary_a; // part, zc, g
+VARY(5) ivec2 vary_whole;
 VARY(2) vec4 vary_b; // ab, h
 VARY(3) vec4 vary_c; // q, reach
 VARY(4) vec3 vary_normal;
@@ -14,10 +15,11 @@ VARY(4) vec3 vary_normal;
 // Discards where the pixel's ray misses the splat.
 Fragment fragment_here()
 {
-    Footprint f = Footprint(vary_a.xy, vary_a.w, vary_b.xy, vary_c.xyz, vary_a.z, vary_b.zw, vary_c.w);
+    Footprint f = Footprint(Place(vary_whole, vary_a.xy), vary_a.w, vary_b.xy, vary_c.xyz, vary_a.z,
+                            vary_b.zw, vary_c.w);
     Fragment fragment;
-    vec2 center = gl_FragCoord.xy + vec2(frame.tile_x, frame.tile_y);
-    if (!footprint_hit(f, center - f.p, fragment))
+    uvec2 pixel = uvec2(gl_FragCoord.xy) + uvec2(frame.tile_x, frame.tile_y);
+    if (!footprint_hit(f, place_offset(f.p, pixel), fragment))
         discard;
     return fragment;
 }

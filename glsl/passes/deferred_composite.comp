@@ -25,12 +25,12 @@ Layer layer_none()
     return Layer(1, 1.0 / 0.0, vec3(0, 0, -1), STP_NO_ID);
 }
 
-Layer layer_by_id(uint id, vec2 center)
+Layer layer_by_id(uint id, uvec2 p)
 {
     Layer l = layer_none();
     if (id != STP_NO_ID) {
         Splat s;
-        Fragment f = fragment_again(id, center, s);
+        Fragment f = fragment_again(id, p, s);
         l = Layer(f.rho2, f.depth, s.normal, id);
     }
     return l;
@@ -39,11 +39,11 @@ Layer layer_by_id(uint id, vec2 center)
 Layer layer_read(uint k, uint pixel, uvec2 p)
 {
 #ifdef FROM_IMAGE
-    return layer_by_id(imageLoad(ids, ivec3(p, k)).x, pixel_center(p));
+    return layer_by_id(imageLoad(ids, ivec3(p, k)).x, p);
 #else
     uint64_t key = frame.keys.v[pixel * K + k];
     if (!PACKED)
-        return layer_by_id(uint(key), pixel_center(p));
+        return layer_by_id(uint(key), p);
     Layer l = layer_none();
     uint depth, normal;
     key_unpack(key, depth, l.rho2, normal);

@@ -97,7 +97,7 @@ void main()
             n = normal_decode(normal);
         } else {
             Splat splat;
-            rho2 = fragment_again(id, pixel_center(p), splat).rho2;
+            rho2 = fragment_again(id, p, splat).rho2;
             n = splat.normal;
         }
         sums_add(sums, kernel_weight(rho2), n, (depth - near) * inv_epsilon, id);

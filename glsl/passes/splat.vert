@@ -35,7 +35,7 @@ vec4 ellipse_vertex(Footprint f, vec2 turn)
     float major = form_major(f.q, axis);
     float minor = (f.q.x * f.q.z - f.q.y * f.q.y) / major;
     vec2 d = turn.x * inversesqrt(major) * axis + turn.y * inversesqrt(minor) * vec2(-axis.y, axis.x);
-    return to_clip(f.p + WIDE * d, 0.5, 1);
+    return to_clip(place_position(f.p) + WIDE * d, 0.5, 1);
 }
 
 void main()
@@ -57,7 +57,8 @@ void main()
     gl_Layer = int(splat_group(s));
 #endif
     vary_id = id;
-    vary_a = vec4(f.p, f.zc, f.g);
+    vary_whole = f.p.whole;
+    vary_a = vec4(f.p.part, f.zc, f.g);
     vary_b = vec4(f.ab, f.h);
     vary_c = vec4(f.q, f.reach);
     vary_normal = s.normal;

@@ -10,10 +10,16 @@
 #ifdef GL_core_profile
 #define STP_ADDRESS(type, name) type name
 #define STP_STRUCT(type) type
+#ifdef WITH_FLOAT64
+#define STP_DOUBLE double
+#else
+#define STP_DOUBLE uint64_t
+#endif
 #else
 #include <stdint.h>
 #define STP_ADDRESS(type, name) uint64_t name
 #define STP_STRUCT(type) struct type
+#define STP_DOUBLE double
 #define uint uint32_t
 #endif
 
@@ -68,6 +74,10 @@ struct stp_frame_constants {
     STP_ADDRESS(FloatRef, out_depth);
     STP_ADDRESS(Vec4Ref, out_albedo); /* rgb, sum of weights */
     STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments */
+    STP_DOUBLE rotation64[9]; /* WITH_FLOAT64: centres are projected in double */
+    STP_DOUBLE translation64[3];
+    STP_DOUBLE focal64[2];
+    STP_DOUBLE center64[2];
     float rotation[9];    /* world to camera: x right, y down, z forward */
     float translation[3]; /* of positions relative to the origin */
     float focal[2];       /* pixels */
@@ -101,4 +111,5 @@ struct stp_frame_constants {
 #endif
 #undef STP_ADDRESS
 #undef STP_STRUCT
+#undef STP_DOUBLE
 #endif

@@ -63,10 +63,12 @@ static void survey_features(const struct gpu_instance *instance, VkPhysicalDevic
     lack(info, atomics, false, "shaderBufferInt64Atomics");
     lack(info, layer, false, "shaderOutputLayer");
     lack(info, blend, false, "blending into float32");
+    lack(info, f.core.features.shaderFloat64, false, "shaderFloat64");
     info->limits.features = (atomics ? STP_FEATURE_INT64_ATOMICS : 0) |
                             (layer ? STP_FEATURE_VERTEX_LAYER : 0) |
                             (blend ? STP_FEATURE_FLOAT32_BLEND : 0) |
-                            (f.core.features.shaderInt64 ? STP_FEATURE_INT64 : 0);
+                            (f.core.features.shaderInt64 ? STP_FEATURE_INT64 : 0) |
+                            (f.core.features.shaderFloat64 ? STP_FEATURE_FLOAT64 : 0);
 }
 
 static void survey_memory(const struct gpu_instance *instance, VkPhysicalDevice device,
@@ -140,6 +142,7 @@ static VkResult create_device(struct stp_context *context)
     chain(&f);
     f.core.features.shaderInt64 = VK_TRUE;
     f.core.features.shaderStorageImageExtendedFormats = VK_TRUE;
+    f.core.features.shaderFloat64 = (optional & STP_FEATURE_FLOAT64) != 0;
     f.v12.bufferDeviceAddress = f.v12.scalarBlockLayout = VK_TRUE;
     f.v12.shaderBufferInt64Atomics = (optional & STP_FEATURE_INT64_ATOMICS) != 0;
     f.v12.shaderOutputLayer = (optional & STP_FEATURE_VERTEX_LAYER) != 0;

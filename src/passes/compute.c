@@ -6,7 +6,7 @@ enum stp_result pass_compute_pipeline(const struct stp_env *env, struct stp_cont
 {
     struct pass_specialization specialization;
     VkShaderModule module;
-    VkResult result = pass_module(context, pass->shader, &module);
+    VkResult result = pass_module(context, plan, pass->shader, &module);
     if (result != VK_SUCCESS)
         return gpu_error(env, result, "vkCreateShaderModule");
     pass_specialize(plan, pass, &specialization);

@@ -21,7 +21,7 @@ struct pass_words {
     const uint32_t *words;
     size_t bytes;
 };
-struct pass_words pass_shader(enum plan_shader shader);
+struct pass_words pass_shader(enum plan_shader shader, bool float64);
 
 /* constants.c: the frame block of one tile, addresses filled in. */
 struct stp_frame_constants pass_constants(const struct stp_plan *plan,
@@ -29,7 +29,8 @@ struct stp_frame_constants pass_constants(const struct stp_plan *plan,
                                           const struct plan_tile *tile);
 
 /* shaders.c */
-VkResult pass_module(struct stp_context *context, enum plan_shader shader, VkShaderModule *module);
+VkResult pass_module(struct stp_context *context, const struct stp_plan *plan,
+                     enum plan_shader shader, VkShaderModule *module);
 /* The specialisation of a pass; `values` and `entries` outlive the info. */
 struct pass_specialization {
     uint32_t values[PLAN_CONSTANTS];

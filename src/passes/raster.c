@@ -132,9 +132,9 @@ enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_conte
             targets.depth == PLAN_NONE ? VK_FORMAT_UNDEFINED : VK_FORMAT_D32_SFLOAT
     };
     pass_specialize(plan, pass, &specialization);
-    VkResult result = pass_module(context, pass->vertex, &modules[0]);
+    VkResult result = pass_module(context, plan, pass->vertex, &modules[0]);
     if (result == VK_SUCCESS)
-        result = pass_module(context, pass->shader, &modules[1]);
+        result = pass_module(context, plan, pass->shader, &modules[1]);
     VkPipelineShaderStageCreateInfo stages[2];
     for (int i = 0; i < 2; i++)
         stages[i] = (VkPipelineShaderStageCreateInfo){

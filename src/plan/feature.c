@@ -11,6 +11,8 @@ const char *stp_feature_name(enum stp_feature feature)
         return "float32-blend";
     case STP_FEATURE_INT64:
         return "int64";
+    case STP_FEATURE_FLOAT64:
+        return "float64";
     }
     return NULL;
 }

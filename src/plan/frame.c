@@ -17,7 +17,17 @@ static void transform(struct stp_plan *plan)
         f->rotation[i] = (float)m[i];
         f->rotation[3 + i] = (float)-m[4 + i];
         f->rotation[6 + i] = (float)-m[8 + i];
+        f->rotation64[i] = m[i];
+        f->rotation64[3 + i] = -m[4 + i];
+        f->rotation64[6 + i] = -m[8 + i];
     }
+    f->translation64[0] = t.x;
+    f->translation64[1] = -t.y;
+    f->translation64[2] = -t.z;
+    f->focal64[0] = camera->fx;
+    f->focal64[1] = camera->fy;
+    f->center64[0] = camera->cx;
+    f->center64[1] = camera->cy;
     f->translation[0] = (float)t.x;
     f->translation[1] = (float)-t.y;
     f->translation[2] = (float)-t.z;

@@ -35,6 +35,7 @@ enum plan_constant {
     PLAN_KEY_IDS,
     PLAN_ATOMIC64,
     PLAN_LAYERED,
+    PLAN_FLOAT64,
     PLAN_CONSTANTS
 };
 

@@ -26,7 +26,8 @@ struct build {
     const struct block_tree *tree;
     struct overlap_graph *graph;
     struct worker *workers;
-    atomic_size_t edges, searched; /* directed edges; pairs of blocks */
+    atomic_size_t edges, overlaps,
+        searched; /* directed, after and before relaxation; block pairs */
     atomic_bool no_memory;
 };
 
@@ -122,28 +123,30 @@ static inline unsigned overlapping(const struct splat_block *block, const double
 
 /* Splat i's neighbours among the candidate blocks; the room is there. */
 static size_t write_row(const struct build *b, const uint32_t *near, size_t count, uint32_t i,
-                        uint32_t *row)
+                        uint32_t *row, size_t *overlaps)
 {
     const struct splats *s = b->splats;
     const unsigned relax = b->params->relax & (STP_RELAX_OPPOSED | STP_RELAX_COPLANAR);
     const double radius = s->radius[i], overlap = b->params->overlap;
-    size_t degree = 0;
+    size_t degree = 0, tested = 0;
     for (size_t c = 0; c < count; c++) {
         const uint32_t *id = &b->tree->id[(size_t)near[c] * BLOCK_SPLATS];
         unsigned hits = overlapping(&b->tree->block[near[c]], s->position[i], radius, overlap);
-        for (; hits; hits &= hits - 1) {
+        for (; hits; hits &= hits - 1, tested++) {
             uint32_t j = id[__builtin_ctz(hits)];
             row[degree] = j;
             degree += j != i && !(relax && overlap_relaxed(s, relax, i, j));
         }
     }
+    *overlaps += tested;
     return degree;
 }
 
-static bool out_of_proportion(struct build *b, size_t edges, size_t searched)
+/* Overlaps that relaxation spares cost time too: as many again are allowed. */
+static bool out_of_proportion(struct build *b)
 {
-    size_t max = b->params->max_edges;
-    return max && (edges / 2 > max ||
+    size_t max = b->params->max_edges, searched = atomic_load(&b->searched);
+    return max && (atomic_load(&b->edges) / 2 > max || atomic_load(&b->overlaps) / 4 > max ||
                    (searched > SEARCH_FLOOR && searched / SEARCH_MEAN > b->tree->blocks));
 }
 
@@ -152,20 +155,22 @@ static bool build_block(struct build *b, size_t lane, size_t last, struct rows *
                         struct worker *worker)
 {
     size_t near = block_tree_near(b->tree, lane / BLOCK_SPLATS, b->params->overlap, worker->near);
-    size_t begin = rows->size;
+    size_t begin = rows->size, overlaps = 0;
     for (; lane < last; lane++) {
         uint32_t i = b->tree->id[lane];
         if (!rows_reserve(rows, near * BLOCK_SPLATS)) {
             atomic_store(&b->no_memory, true);
             return false;
         }
-        size_t degree = write_row(b, worker->near, near, i, rows->data + rows->size);
+        size_t degree = write_row(b, worker->near, near, i, rows->data + rows->size, &overlaps);
         rows->size += degree;
         b->graph->end[i] = (uint32_t)degree;
         worker->max_degree = degree > worker->max_degree ? (unsigned)degree : worker->max_degree;
     }
-    size_t edges = rows->size - begin + atomic_fetch_add(&b->edges, rows->size - begin);
-    return !out_of_proportion(b, edges, near + atomic_fetch_add(&b->searched, near));
+    atomic_fetch_add(&b->edges, rows->size - begin);
+    atomic_fetch_add(&b->overlaps, overlaps);
+    atomic_fetch_add(&b->searched, near);
+    return !out_of_proportion(b);
 }
 
 /* The first lane whose splat is at or after i. */
@@ -217,8 +222,7 @@ static void build_pools(void *context, size_t begin, size_t end, unsigned worker
     struct build *b = context;
     for (size_t pool = begin; pool < end; pool++) {
         struct rows rows = { 0 };
-        if (atomic_load(&b->no_memory) ||
-            out_of_proportion(b, atomic_load(&b->edges), atomic_load(&b->searched)))
+        if (atomic_load(&b->no_memory) || out_of_proportion(b))
             return;
         if (build_rows(b, pool, &rows, &b->workers[worker]))
             finish_pool(b->graph, pool, &rows);
@@ -264,7 +268,7 @@ static enum stp_result build_graph(const struct stp_env *env, struct build *b, b
     ok = ok && !atomic_load(&b->no_memory);
     free_workers(env, b);
     b->graph->edges = atomic_load(&b->edges) / 2;
-    *over = out_of_proportion(b, atomic_load(&b->edges), atomic_load(&b->searched));
+    *over = out_of_proportion(b);
     size_t bytes = (b->graph->count + 2 * b->graph->edges) * sizeof(uint32_t);
     return ok ? STP_OK : log_no_memory(env, bytes, "the overlap graph");
 }

@@ -46,8 +46,8 @@ static inline struct overlap_row overlap_row(const struct overlap_graph *graph, 
  *   coplanar  same object, and within the tolerances above.
  * A zero normal is neither. skip: NULL, or nonzero for splats left out (their rows are empty).
  * max_edges: 0, or the most undirected edges wanted; beyond it, or where the search itself is out
- * of proportion, *overload is set (it may be NULL when max_edges is 0), the result is STP_OK and
- * *graph is untouched. */
+ * of proportion (twice as many overlaps before relaxation, or far too many candidates), *overload
+ * is set (it may be NULL when max_edges is 0), the result is STP_OK and *graph is untouched. */
 struct overlap_params {
     double overlap;
     unsigned relax;

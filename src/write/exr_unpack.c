@@ -45,6 +45,16 @@ static void aim(const struct exr_source *s, struct decoder *d)
     }
 }
 
+/* Zeroed: a damaged chunk that inflates to too little must not show what the heap held. */
+static void *allocate(exr_transcoding_pipeline_buffer_id_t buffer, size_t bytes)
+{
+    return mem_zalloc(bytes, 1);
+}
+static void release(exr_transcoding_pipeline_buffer_id_t buffer, void *pointer)
+{
+    mem_free(pointer);
+}
+
 static exr_result_t decode(const struct exr_source *s, struct decoder *d,
                            const exr_chunk_info_t *info)
 {
@@ -54,7 +64,9 @@ static exr_result_t decode(const struct exr_source *s, struct decoder *d,
     } else {
         result = exr_decoding_initialize(s->context, 0, info, &d->pipe);
         d->started = result == EXR_ERR_SUCCESS;
-        d->pixels = mem_alloc((size_t)s->list->num_channels, plane_bytes(s));
+        d->pipe.alloc_fn = allocate;
+        d->pipe.free_fn = release;
+        d->pixels = mem_zalloc((size_t)s->list->num_channels, plane_bytes(s));
         if (!d->pixels)
             result = EXR_ERR_OUT_OF_MEMORY;
     }

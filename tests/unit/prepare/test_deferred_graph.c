@@ -96,7 +96,7 @@ static void equals_every_pair(void **state)
     const unsigned relax[] = { STP_RELAX_NONE, STP_RELAX_OPPOSED, STP_RELAX_COPLANAR,
                                STP_RELAX_OPPOSED | STP_RELAX_COPLANAR };
     for (enum cloud_kind kind = 0; kind < CLOUD_KINDS; kind++) {
-        struct splats s = cloud_random(kind, 400, kind + 1);
+        struct splats s = cloud_random(kind, 260, kind + 1);
         for (size_t c = 0; c < 3; c++)
             for (size_t r = 0; r < 4; r++)
                 build_and_check(&s, &(struct overlap_params){ overlaps[c], relax[r], NULL, 0 });
@@ -284,7 +284,7 @@ static void search_is_bounded(void **state)
         memset(s.normal[i], 0, sizeof s.normal[i]);
         s.normal[i][2] = 1;
     }
-    struct overlap_params p = { 1, STP_RELAX_COPLANAR, NULL, 1000 };
+    struct overlap_params p = { 1, STP_RELAX_COPLANAR, NULL, 1000000 };
     struct overlap_graph g = { 0 };
     bool overload = false;
     assert_int_equal(overlap_graph_build(NULL, &s, &p, &g, &overload), STP_OK);

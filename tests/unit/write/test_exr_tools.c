@@ -62,7 +62,7 @@ static void check_planes(const struct stp_image *a, const struct stp_image *b)
 static void must_contain(char *text, const char *wanted)
 {
     if (!strstr(text, wanted))
-        fail_msg("no \"%s\" in: %s", wanted, text);
+        fail_msg("no \"%s\" in: %s", wanted, text ? text : "");
 }
 
 static void test_header(void **state)
