@@ -69,7 +69,7 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
     bool wants_ids = plan->facts.has_color || plan->facts.objects > 1 ||
                      (plan->params.aovs & STP_AOV_ID) != 0;
     bool fits = plan->frame.depth_bits >= LEAST_DEPTH_BITS;
-    bool packable = fits && plan->path == STP_PATH_COMPUTE && plan->voronoi != STP_VORONOI_EXACT &&
+    bool packable = fits && plan->voronoi != STP_VORONOI_EXACT &&
                     (plan->method == STP_METHOD_EXACT ||
                      (plan->method == STP_METHOD_DEFERRED && !wants_ids));
     bool packed = packable && plan->params.payload != STP_PAYLOAD_ID;
