@@ -184,6 +184,19 @@ bool footprint_hit(Footprint f, vec2 d, out Fragment fragment)
            fragment.depth <= frame.far_depth;
 }
 
+// A depth as bits that order as it does: depths of orthographic views may be negative.
+uint depth_order(float depth)
+{
+    uint u = floatBitsToUint(depth);
+    return ORTHOGRAPHIC ? (int(u) < 0 ? ~u : u | 0x80000000u) : u;
+}
+
+float depth_ordered(uint order)
+{
+    uint u = ORTHOGRAPHIC ? (int(order) < 0 ? order & 0x7fffffffu : ~order) : order;
+    return uintBitsToFloat(u);
+}
+
 float kernel_weight(float rho2)
 {
     return GAUSS ? exp(-2 * rho2) : max(0, 1 - rho2);

@@ -23,7 +23,7 @@ void main()
     bool hit = first != ~0ul;
     Surface s;
     s.id = uint(first);
-    s.near_depth = uintBitsToFloat(uint(first >> 32));
+    s.near_depth = depth_ordered(uint(first >> 32));
     float scale = frame.sum_scale;
     s.weight = sum(at + 1, scale);
     s.normal = vec3(sum(at + 2, scale), sum(at + 3, scale), sum(at + 4, scale));
