@@ -67,6 +67,7 @@ static void quantisation(struct stp_plan *plan)
     struct stp_frame_constants *f = &plan->frame;
     double low, high, epsilon = f->epsilon;
     depth_range(plan, &low, &high);
+    double nearest = low;
     low -= 0.25 * epsilon; /* rounding never reaches below step 0 */
     double bits = floor(24 - log2((high - low) / epsilon + 2));
     f->depth_bits = bits > 16 ? 16 : bits < 1 ? 1 : (uint32_t)bits;
@@ -75,7 +76,7 @@ static void quantisation(struct stp_plan *plan)
     f->depth_scale = (float)scale;
     f->depth_step = (float)(1 / scale);
     f->slab_scale = (float)(1 / epsilon);
-    f->raster_near = (float)(plan->camera.orthographic ? high + epsilon : low);
+    f->raster_near = (float)(plan->camera.orthographic ? high + epsilon : nearest);
     f->raster_scale = (float)(1 / (high - low + 2 * epsilon));
     struct vec3 size = v3_sub(v3_load(plan->facts.bounds + 3), v3_load(plan->facts.bounds));
     double diagonal = v3_length(size) + 2 * plan->facts.radius_median;
