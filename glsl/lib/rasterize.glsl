@@ -19,6 +19,16 @@ void visit(uint id, Splat s, Footprint f, uint encoded, uvec2 pixel)
                       encoded);
 }
 
+#ifdef LARGE
+// All threads of the group: a tile may have more blocks than the 65535 turns that lavapipe allows.
+void touch_blocks(ivec4 box)
+{
+    uvec4 b = uvec4(box - ivec2(frame.tile_x, frame.tile_y).xyxy) / STP_BLOCK;
+    uint width = b.z - b.x + 1, count = width * (b.w - b.y + 1);
+    for (uint i = gl_LocalInvocationIndex; i < count; i += STP_LARGE_GROUP)
+        frame.work.v[STP_WORK_FLAGS + (b.y + i / width) * frame.blocks_x + b.x + i % width] = 1;
+}
+#else
 void touch_blocks(ivec4 box)
 {
     ivec4 b = (box - ivec2(frame.tile_x, frame.tile_y).xyxy) / STP_BLOCK;
@@ -31,6 +41,7 @@ void touch_blocks(ivec4 box)
         }
     }
 }
+#endif
 
 #ifdef LARGE
 
@@ -50,7 +61,7 @@ void main()
     uint width = uint(box.z - box.x + 1), count = width * uint(box.w - box.y + 1);
     uint encoded = splat_encode(s);
 #ifdef FIRST_PASS
-    if (gl_LocalInvocationIndex == 0)
+    if (count > 0)
         touch_blocks(box);
 #endif
     for (uint i = gl_LocalInvocationIndex; i < count; i += STP_LARGE_GROUP)
