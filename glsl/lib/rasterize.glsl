@@ -11,10 +11,11 @@ layout(local_size_x = STP_LARGE_GROUP) in;
 layout(local_size_x = STP_GROUP) in;
 #endif
 
-void visit(uint id, Splat s, Footprint f, uint encoded, uvec2 pixel)
+void visit(uint id, Splat s, Footprint f, bool clipped, uint encoded, uvec2 pixel)
 {
     Fragment fragment;
-    if (footprint_hit(f, place_offset(f.p, pixel), fragment))
+    if (clipped ? clipped_hit(s, pixel, fragment)
+                : footprint_hit(f, place_offset(f.p, pixel), fragment))
         fragment_emit(pixel_index(pixel - uvec2(frame.tile_x, frame.tile_y)), id, s, fragment,
                       encoded);
 }
@@ -56,8 +57,8 @@ void main()
     splat_load(id, s);
     bool floored;
     Footprint f = footprint_make(s, floored);
-    ivec4 box = !ORTHOGRAPHIC && splat_crosses_near(s) && !floored ? clipped_pixels(s)
-                                                                   : footprint_pixels(s, f, floored);
+    bool clipped = splat_clipped(s, floored);
+    ivec4 box = clipped ? clipped_pixels(s) : footprint_pixels(s, f, floored);
     uint width = uint(box.z - box.x + 1), count = width * uint(box.w - box.y + 1);
     uint encoded = splat_encode(s);
 #ifdef FIRST_PASS
@@ -65,7 +66,7 @@ void main()
         touch_blocks(box);
 #endif
     for (uint i = gl_LocalInvocationIndex; i < count; i += STP_LARGE_GROUP)
-        visit(id, s, f, encoded, uvec2(box.xy) + uvec2(i % width, i / width));
+        visit(id, s, f, clipped, encoded, uvec2(box.xy) + uvec2(i % width, i / width));
 }
 
 #else
@@ -90,11 +91,11 @@ void main()
         return;
     bool floored;
     Footprint f = footprint_make(s, floored);
-    bool crosses = !ORTHOGRAPHIC && splat_crosses_near(s) && !floored;
+    bool clipped = splat_clipped(s, floored);
     ivec4 box = footprint_pixels(s, f, floored);
     int width = box.z - box.x + 1, height = box.w - box.y + 1;
     // In float: the product may exceed an int only where it is large anyway.
-    bool large = crosses || float(width) * float(height) > float(STP_LARGE_AREA);
+    bool large = clipped || float(width) * float(height) > float(STP_LARGE_AREA);
     int count = large ? 0 : width * height;
 #ifdef FIRST_PASS
     if (large)
@@ -105,7 +106,7 @@ void main()
     uint encoded = splat_encode(s);
     int x = box.x, y = box.y;
     for (int i = 0; i < count; i++) {
-        visit(id, s, f, encoded, uvec2(x, y));
+        visit(id, s, f, false, encoded, uvec2(x, y));
         if (++x > box.z) {
             x = box.x;
             y++;

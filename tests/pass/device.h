@@ -52,8 +52,8 @@ struct tolerance {
     double psnr;   /* over pixels that are not fragile */
     double fragile; /* most share of covered pixels that may be fragile */
 };
-/* The tolerance of `exact` with packed slots, and of payloads that keep ids and floats. */
-extern const struct tolerance packed_tolerance, id_tolerance;
+/* Packed payloads; `exact` with ids; two-pass, and deferred with ids. */
+extern const struct tolerance packed_tolerance, exact_tolerance, float_tolerance;
 
 struct verdict {
     size_t covered, fragile, off;

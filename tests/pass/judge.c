@@ -1,14 +1,18 @@
 #include "device.h"
 
-/* Packed slots: normals of 28 bits, rho^2 of 12, weights in 4095ths; a pixel that only rims touch
- * has small weights, and their rounding shows. */
-const struct tolerance packed_tolerance = { .color = 0.02, .normal = 0.03, .depth = 0.03,
-                                            .psnr = 70, .fragile = 0.05 };
-const struct tolerance id_tolerance = { .color = 0.02, .normal = 0.03, .depth = 0.03,
-                                        .psnr = 70, .fragile = 0.05 };
+/* Measured over the random clouds of these tests, with a margin of 4 or more. Packed: normals of 28
+ * bits, rho^2 of 12, depths of 24. Exact with ids: weights in 4095ths. Sums in fixed point or float:
+ * what float32 leaves of a position in the picture. */
+const struct tolerance packed_tolerance = { .color = 4e-3, .normal = 6e-3, .depth = 4e-3,
+                                            .psnr = 70, .fragile = 0.03 };
+const struct tolerance exact_tolerance = { .color = 2e-3, .normal = 3e-3, .depth = 4e-3,
+                                           .psnr = 80, .fragile = 0.03 };
+const struct tolerance float_tolerance = { .color = 1e-4, .normal = 2e-4, .depth = 1e-3,
+                                           .psnr = 110, .fragile = 0.03 };
 
 #define VARIANTS 4
 #define SHIFT    1e-3 /* pixels */
+#define JUMP     0.01 /* what moving the picture by so little changes only where it is not smooth */
 
 struct pixel {
     double color[3], normal[3], alpha, z;
@@ -89,12 +93,12 @@ static struct stp_image *reference_of(const struct stp_scene *scene, const struc
 }
 
 static bool fragile(struct stp_image *const variant[VARIANTS], const struct pixel *truth, size_t at,
-                    const struct tolerance *t, double epsilon)
+                    double epsilon)
 {
     for (int v = 0; v < VARIANTS; v++) {
         struct pixel moved = pixel_at(variant[v], at);
         struct distance d = distance(&moved, truth, epsilon);
-        if (d.color > t->color / 2 || d.normal > t->normal / 2 || d.depth > t->depth / 2)
+        if (d.color > JUMP || d.normal > JUMP || d.depth > JUMP)
             return true;
     }
     return false;
@@ -124,7 +128,7 @@ struct verdict judge(const struct stp_scene *scene, const struct stp_plan *plan,
         struct pixel seen = pixel_at(image, at), right = pixel_at(truth, at);
         bool covered = isfinite(seen.z) || isfinite(right.z);
         verdict.covered += covered;
-        if (fragile(variant, &right, at, tolerance, epsilon))
+        if (fragile(variant, &right, at, epsilon))
             verdict.fragile++;
         else
             judge_pixel(&verdict, &seen, &right, tolerance, epsilon, &squares);
