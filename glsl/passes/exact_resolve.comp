@@ -76,7 +76,9 @@ void main()
         return;
     uint count = frame.counts.v[pixel], base = pixel * STP_SLOTS;
     if (count > STP_SLOTS) {
-        frame.work.v[STP_WORK_OVERFLOW] = 1; // exact_arm sends the repair passes
+        // exact_arm then sends the repair passes, and exact_collect looks for this block.
+        frame.work.v[STP_WORK_OVERFLOW] = 1;
+        frame.work.v[STP_WORK_FLAGS + pixel / STP_GROUP] = STP_BLOCK_OVERFLOWED;
         return;
     }
     uint64_t kept[KEPT], best = ~0ul;
