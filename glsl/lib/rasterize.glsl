@@ -1,8 +1,7 @@
 // The compute rasteriser. A pass defines, before it includes this,
 //   void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 // Small splats: a thread each (LISTED: only those that exact_collect found). Splats that are large or cross the near plane go to a list, and each
-// takes a workgroup of the LARGE variant of the same pass.
-#include "lib/pixel.glsl"
+// takes a workgroup of the LARGE variant of the same pass. Needs lib/pixel.glsl.
 
 #ifdef LARGE
 layout(local_size_x = STP_LARGE_GROUP) in;

@@ -29,7 +29,7 @@
 #define STP_LARGE_AREA   1024  /* pixels of bounds above which a splat takes a workgroup */
 #define STP_LARGE_GROUP  128
 #define STP_ROW          32768u /* workgroups along x; more go along y */
-#define STP_SLOTS        32    /* fragments a pixel that `exact` keeps before its second way */
+#define STP_SLOTS        64    /* fragments a pixel that `exact` keeps before its second way */
 #define STP_SUM_WORDS    10    /* 64-bit words of a pixel's fixed-point sums */
 #define STP_LIGHTS       8
 #define STP_NO_ID        0xffffffffu
