@@ -19,7 +19,7 @@ void main()
     if (!resolve_pixel(p, pixel) || sums_skip(pixel))
         return;
     uint64_t first = sums_buffer().v[sums_at(pixel, 0)];
-    bool hit = first != ~0ul;
+    bool hit = first != STP_SUMS_NONE;
     Surface s;
     s.id = uint(first);
     s.near_depth = uintBitsToFloat(uint(first >> 32));
