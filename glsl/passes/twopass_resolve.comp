@@ -22,7 +22,7 @@ void main()
     bool hit = first != STP_SUMS_NONE;
     Surface s;
     s.id = uint(first);
-    s.near_depth = uintBitsToFloat(uint(first >> 32));
+    s.near_depth = depth_ordered(uint(first >> 32));
     float scale = frame.sum_scale;
     s.weight = sum(sums_at(pixel, 1), scale);
     s.normal = vec3(sum(sums_at(pixel, 2), scale), sum(sums_at(pixel, 3), scale), sum(sums_at(pixel, 4), scale));
