@@ -136,6 +136,8 @@ static uint32_t packed_bits(double number)
 {
     float value = (float)number;
     uint32_t bits;
+    if (isnan(number))
+        return 0; /* the bits that it had are lost */
     if (number >= 1 && number <= UINT32_MAX)
         return (uint32_t)number;
     if (number <= -1 && number >= INT32_MIN)
