@@ -45,9 +45,9 @@ vec2 place_offset(Place p, uvec2 pixel)
     return vec2(ivec2(pixel) - p.whole) + (0.5 - p.part);
 }
 
-// Camera frame and projection of the centre. In double where the device can: a pixel on an outline
-// then falls on the side where the reference puts it (docs/results/accuracy.md). A splat far
-// outside the picture keeps its place within what an int holds.
+// Camera frame and projection of the centre, in double where the device can: a pixel on an outline
+// then falls on the side where the reference puts it (docs/results/accuracy.md). Only products and
+// sums are done in double; the quotient is float, with its remainder beside it.
 #ifdef WITH_FLOAT64
 #define REAL double
 #define REAL2 dvec2
@@ -65,12 +65,18 @@ void splat_place(vec3 a, inout Splat s)
     REAL3 c = REAL3(r[0] * a.x + r[1] * a.y + r[2] * a.z + t[0],
                     r[3] * a.x + r[4] * a.y + r[5] * a.z + t[1],
                     r[6] * a.x + r[7] * a.y + r[8] * a.z + t[2]);
-    REAL2 d = ORTHOGRAPHIC ? c.xy : c.xy / c.z;
-    REAL2 p = REAL2(FRAME(center)[0], FRAME(center)[1]) +
-              REAL2(FRAME(focal)[0], FRAME(focal)[1]) * d;
-    REAL2 whole = floor(clamp(p, REAL2(-1e8), REAL2(1e8)));
     s.center = vec3(c);
-    s.place = Place(ivec2(whole), vec2(p - whole));
+    REAL2 scale = REAL2(FRAME(focal)[0], FRAME(focal)[1]);
+    REAL2 middle = REAL2(FRAME(center)[0], FRAME(center)[1]), d = c.xy;
+    if (!ORTHOGRAPHIC) {
+        vec2 quotient = s.center.xy / s.center.z;
+        vec2 remainder = vec2(c.xy - REAL2(quotient) * c.z) / s.center.z;
+        d = REAL2(quotient) + REAL2(remainder);
+    }
+    // A splat far outside the picture keeps its place within what an int holds.
+    REAL2 p = middle + scale * d;
+    vec2 whole = floor(clamp(vec2(p), vec2(-1e8), vec2(1e8)));
+    s.place = Place(ivec2(whole), vec2(p - REAL2(whole)));
 }
 
 // False: culled.

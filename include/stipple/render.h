@@ -12,9 +12,9 @@ extern "C" {
 struct stp_context;
 
 struct stp_context_params {
-    const char *device;      /* substring of the device's name; NULL: GPUs first */
-    bool validate;           /* validation and synchronisation validation; a message is an error */
-    unsigned mask_features;  /* enum stp_feature, or-ed */
+    const char *device;     /* substring of the device's name; NULL: GPUs first */
+    bool validate;          /* validation and synchronisation validation; a message is an error */
+    unsigned mask_features; /* enum stp_feature, or-ed */
 };
 
 /* Thread-safe against other contexts; one context is for one thread at a time. */

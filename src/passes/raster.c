@@ -192,9 +192,10 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                                   .layerCount = pass->layer_count,
                                   .colorAttachmentCount = targets.color_count,
                                   .pColorAttachments = colors,
-                                  .pDepthAttachment =
-                                      targets.depth == PLAN_NONE ? NULL : &depth };
-    VkViewport viewport = { .width = (float)tile->width, .height = (float)tile->height, .maxDepth = 1 };
+                                  .pDepthAttachment = targets.depth == PLAN_NONE ? NULL : &depth };
+    VkViewport viewport = { .width = (float)tile->width,
+                            .height = (float)tile->height,
+                            .maxDepth = 1 };
     uint32_t push[2] = { pass->layer, pass->first_splat };
     context->vk.vkCmdBeginRendering(commands, &rendering);
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);

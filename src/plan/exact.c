@@ -7,6 +7,16 @@ static void repair(struct stp_plan *plan)
 {
     bool atomic64 = plan->constant[PLAN_ATOMIC64] != 0;
     const enum plan_slot touched[] = { PLAN_KEYS, PLAN_COUNTS, PLAN_SLOTS };
+    struct plan_pass *arm = plan_pass(plan, PLAN_DISPATCH, "arm repair");
+    arm->shader = PLAN_SHADER_EXACT_ARM;
+    arm->groups = 1;
+    plan_updates(plan, arm, PLAN_WORK);
+    struct plan_pass *clear = plan_pass(plan, PLAN_DISPATCH_INDIRECT, "repair clear");
+    clear->shader = PLAN_SHADER_EXACT_CLEAR;
+    clear->offset = STP_WORK_REPAIR_BLOCKS * 4;
+    plan_reads(plan, clear, PLAN_WORK);
+    plan_reads(plan, clear, PLAN_COUNTS);
+    plan_updates(plan, clear, PLAN_KEYS);
     if (atomic64) {
         plan_splat(plan, "repair depth", PLAN_SHADER_TWOPASS_DEPTH, PLAN_SHADER_TWOPASS_DEPTH_LARGE,
                    true, touched);

@@ -82,7 +82,8 @@ static void quantisation(struct stp_plan *plan)
     f->eye_dome_scale = (float)(16 / diagonal);
 }
 
-static void light(const struct stp_plan *plan, const struct stp_light *in, struct stp_light_gpu *out)
+static void light(const struct stp_plan *plan, const struct stp_light *in,
+                  struct stp_light_gpu *out)
 {
     const double *m = plan->camera.world_to_camera;
     struct vec3 p = in->at_eye       ? v3(0, 0, in->positional ? 0 : 1)

@@ -175,8 +175,8 @@ enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
             return log_error(env, STP_ERROR_DEVICE_MEMORY,
                              "the device has %llu bytes; the scene takes %llu, and not even a tile "
                              "of %u pixels fits beside it",
-                             (unsigned long long)plan->limits.heap_bytes,
-                             (unsigned long long)scene, least);
+                             (unsigned long long)plan->limits.heap_bytes, (unsigned long long)scene,
+                             least);
         if (plan->tile_width >= plan->tile_height)
             columns *= 2;
         else

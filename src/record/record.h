@@ -25,9 +25,9 @@ void record_frame_destroy(struct record_frame *frame);
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
                               const struct stp_scene *scene);
 
-/* walk.c: records one tile; nothing is allocated, submitted or waited for. timed: a full barrier and
- * a timestamp after every pass. skip_barrier: leaves out the barrier before that pass (tests prove
- * with it that validation sees). */
+/* walk.c: records one tile; nothing is allocated, submitted or waited for. timed: a full barrier
+ * and a timestamp after every pass. skip_barrier: leaves out the barrier before that pass (tests
+ * prove with it that validation sees). */
 #define RECORD_NO_PASS UINT32_MAX
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
                  bool timed, uint32_t skip_barrier);

@@ -67,9 +67,9 @@ static enum stp_result add_timestamps(const struct stp_env *env, struct record_f
     struct stp_context *c = frame->context;
     uint64_t ticks[PLAN_MAX_PASSES + 1];
     uint32_t count = frame->plan->pass_count;
-    VkResult status = c->vk.vkGetQueryPoolResults(c->device, frame->queries, 0, count + 1,
-                                                  sizeof ticks, ticks, sizeof *ticks,
-                                                  VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+    VkResult status = c->vk.vkGetQueryPoolResults(
+        c->device, frame->queries, 0, count + 1, sizeof ticks, ticks, sizeof *ticks,
+        VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
     if (status != VK_SUCCESS)
         return gpu_error(env, status, "vkGetQueryPoolResults");
     for (uint32_t i = 0; i < count; i++)
@@ -185,8 +185,7 @@ enum stp_result stp_render(const struct stp_env *env, struct stp_context *contex
                        : log_error(env, STP_ERROR_ARGUMENT, "method %s needs a context",
                                    stp_method_name(plan->method));
     double start = now_ms();
-    enum stp_result result =
-        reference_render(env, scene, &plan->camera, &plan->params, image);
+    enum stp_result result = reference_render(env, scene, &plan->camera, &plan->params, image);
     stats->first_frame_ms = now_ms() - start;
     return result;
 }

@@ -24,7 +24,8 @@ static void pack(void *context, size_t begin, size_t end, unsigned worker)
             out[4 + k] = s->normal[i][k];
         }
         out[3] = s->radius[i];
-        uint32_t tag = (s->group ? s->group[i] : 0u) | (s->object ? (uint32_t)s->object[i] << 8 : 0u);
+        uint32_t tag =
+            (s->group ? s->group[i] : 0u) | (s->object ? (uint32_t)s->object[i] << 8 : 0u);
         memcpy(&out[7], &tag, 4);
     }
 }
