@@ -1,4 +1,5 @@
-/* Who beats whom: the Pareto front of milliseconds and error, and the rows of equal error or time. */
+/* Who beats whom: the Pareto front of milliseconds and error, and the rows of equal error or time.
+ */
 #include "report/report.h"
 
 #include <stdlib.h>

@@ -43,6 +43,10 @@ const char *report_number(double value, char text[REPORT_NUMBER_SIZE])
         snprintf(text, REPORT_NUMBER_SIZE, "%.2e", value);
     else
         snprintf(text, REPORT_NUMBER_SIZE, "%.*f",
-                 size >= 1000 ? 0 : size >= 100 ? 1 : size >= 1 ? 2 : 4, value);
+                 size >= 1000  ? 0
+                 : size >= 100 ? 1
+                 : size >= 1   ? 2
+                               : 4,
+                 value);
     return text;
 }

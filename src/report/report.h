@@ -21,20 +21,22 @@ struct report_row {
     const char *payload, *voronoi; /* "" where the method has none */
     double overlap_asked;          /* 0: nothing is grouped */
     struct stp_grouping grouping;
-    double epsilon_scale;          /* of the reference's epsilon; 1 but for variants */
-    bool is_reference;             /* what errors are measured against; not a contender */
+    double epsilon_scale; /* of the reference's epsilon; 1 but for variants */
+    bool is_reference;    /* what errors are measured against; not a contender */
     struct report_times ms;
     struct stp_comparison error;
     uint64_t scene_bytes, transient_bytes;
     unsigned tiles, pass_count;
     struct stp_pass_time pass[STP_MAX_PASSES];
-    bool on_front;                 /* report_find_front */
-    char picture[32];              /* the error picture's file; "": none */
+    bool on_front;    /* report_find_front */
+    char picture[32]; /* the error picture's file; "": none */
 };
 
 struct report_skip {
     char name[80], why[256];
 };
+
+#define REPORT_MAX_ROWS 128
 
 struct report {
     const char *title, *command; /* command may be NULL */
@@ -46,14 +48,15 @@ struct report {
     unsigned rounds;
     double seconds; /* the sweep took */
     struct report_row *row;
-    unsigned row_count;
+    unsigned row_count; /* at most REPORT_MAX_ROWS */
     struct report_skip *skip;
     unsigned skip_count;
 };
 
 /* --- front.c ------------------------------------------------------------------------------- */
 
-/* Mean absolute error over covered pixels, at least the floor: what configurations are ranked by. */
+/* Mean absolute error over covered pixels, at least the floor: what configurations are ranked by.
+ */
 double report_error(const struct report_row *row);
 /* Marks every row that no other beats in one of time and error without losing in the other. Of
  * equal rows the first is kept. */

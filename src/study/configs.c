@@ -19,8 +19,9 @@ static void add(struct list *list, struct study_config config)
 
 static void add_exact(struct list *list, bool quick)
 {
-    struct study_config config = { STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_PACKED,
-                                   STP_VORONOI_OFF, 0, 1 };
+    struct study_config config = {
+        STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_PACKED, STP_VORONOI_OFF, 0, 1
+    };
     const enum stp_payload payload[] = { STP_PAYLOAD_PACKED, STP_PAYLOAD_ID };
     for (unsigned i = 0; i < COUNT(payload); i++) {
         config.payload = payload[i];

@@ -49,8 +49,7 @@ static enum stp_result write_texts(const struct study *study, const char *folder
                   { "report.md", report_markdown } };
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0)
-        return log_error(study->env, STP_ERROR_MEMORY, "cannot make a locale: %s",
-                         strerror(errno));
+        return log_error(study->env, STP_ERROR_MEMORY, "cannot make a locale: %s", strerror(errno));
     locale_t old = uselocale(plain);
     enum stp_result result = STP_OK;
     for (unsigned i = 0; result == STP_OK && i < sizeof files / sizeof *files; i++)

@@ -36,8 +36,8 @@ enum stp_result study_groups_use(const struct stp_env *env, struct study_groups 
     scene->splats.group = NULL;
     enum stp_result result = stp_scene_group(env, scene, &asked);
     if (result == STP_OK)
-        groups->at[groups->count++] = (struct study_grouping){ overlap, scene->facts.grouping,
-                                                               scene->splats.group };
+        groups->at[groups->count++] =
+            (struct study_grouping){ overlap, scene->facts.grouping, scene->splats.group };
     else
         show(scene, &groups->before);
     return result;

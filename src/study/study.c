@@ -41,8 +41,7 @@ static enum stp_result make_plan(struct study *study, const struct study_config 
                            stp_context_limits(study->context), plan);
 }
 
-static void add_frame(struct study *study, const struct study_config *config,
-                      struct stp_plan *plan)
+static void add_frame(struct study *study, const struct study_config *config, struct stp_plan *plan)
 {
     struct report_row *row = &study->report.row[study->frame_count];
     study_describe(config, row);
@@ -74,8 +73,8 @@ static enum stp_result try_config(struct study *study, const struct study_config
     struct stp_plan *plan = NULL;
     enum stp_result result = STP_OK;
     if (config->overlap > 0)
-        result = study_groups_use(study->env, &study->groups, &study->params.group,
-                                  config->overlap);
+        result =
+            study_groups_use(study->env, &study->groups, &study->params.group, config->overlap);
     if (result != STP_OK)
         return result;
     result = make_plan(study, config, &skip, &plan);
@@ -120,8 +119,8 @@ static enum stp_result render_reference(struct study *study)
     struct stp_render_params params = study->params.render;
     params.samples = params.aovs = 0;
     double start = now_ms();
-    enum stp_result result = reference_render(study->env, study->scene, study->camera, &params,
-                                              &study->reference);
+    enum stp_result result =
+        reference_render(study->env, study->scene, study->camera, &params, &study->reference);
     if (result != STP_OK)
         return result;
     double ms = now_ms() - start;
@@ -152,10 +151,12 @@ static void describe(struct study *study)
     r->height = study->camera->height;
     r->splats = study->scene->splats.count;
     r->epsilon = study->epsilon;
-    r->min_splat = p->render.min_splat < 0 ? 0 : p->render.min_splat > 0 ? p->render.min_splat : 1.5;
+    r->min_splat = p->render.min_splat < 0   ? 0
+                   : p->render.min_splat > 0 ? p->render.min_splat
+                                             : 1.5;
     r->kernel = p->render.kernel == STP_KERNEL_GAUSS ? "gauss" : "parabola";
     r->cull = p->render.cull == STP_CULL_BACK ? "back" : "none";
-    r->rounds = p->rounds ? p->rounds : p->quick ? 3 : 5;
+    r->rounds = p->rounds ? p->rounds : p->quick ? 2 : 5;
 }
 
 static enum stp_result study_all(struct study *study, const char *folder)
@@ -204,7 +205,7 @@ enum stp_result stp_report(const struct stp_env *env, struct stp_context *contex
     if (env)
         study.quiet = *env;
     study.quiet.progress = NULL;
-    study.epsilon = params->render.epsilon > 0   ? params->render.epsilon
+    study.epsilon = params->render.epsilon > 0 ? params->render.epsilon
                     : scene->object_count == 1 ? scene->objects[0].epsilon
                                                : (double)scene->facts.radius_median;
     study.budget = study_budget(context);

@@ -3,6 +3,8 @@
 #ifndef STP_STUDY_STUDY_H
 #define STP_STUDY_STUDY_H
 
+#include <stipple/report.h>
+
 #include "record/record.h"
 #include "report/report.h"
 
@@ -71,7 +73,7 @@ struct study {
     struct stp_image *reference;
     struct study_frame *frame;
     unsigned frame_count;
-    struct report report; /* row i is frame i's; the reference's comes after them */
+    struct report report;  /* row i is frame i's; the reference's comes after them */
     uint64_t budget, held; /* bytes on the device: most, and now */
     uint64_t turn;
 };
