@@ -38,10 +38,11 @@ static char *command_line(const struct settings *settings)
     return NULL;
 }
 
-static int make_folder(struct console *console, const char *path)
+static int make_folder(struct console *console, const char *path, bool *made)
 {
     struct stat st;
-    if (mkdir(path, 0777) == 0)
+    *made = mkdir(path, 0777) == 0;
+    if (*made)
         return EXIT_DONE;
     int error = errno;
     if (error == EEXIST && stat(path, &st) == 0)
@@ -79,14 +80,19 @@ static int report_all(struct job *job)
 {
     const struct settings *settings = job->settings;
     const struct stp_limits *limits;
-    int status = make_folder(&job->console, settings->output);
+    bool made;
+    int status = make_folder(&job->console, settings->output, &made);
     if (status != EXIT_DONE)
         return status;
     context_start(&job->context, &job->console, &settings->context);
     status = load_and_prepare(&job->console, settings, settings->files[0], &job->scene, NULL);
     if (status == EXIT_DONE)
         status = context_finish(&job->context, &limits);
-    return status == EXIT_DONE ? sweep(job) : status;
+    if (status == EXIT_DONE)
+        status = sweep(job);
+    if (status != EXIT_DONE && made)
+        rmdir(settings->output); /* stays where something was written */
+    return status;
 }
 
 int run_report(struct settings *settings)
