@@ -1,8 +1,7 @@
 // The compute rasteriser. A pass defines, before it includes this,
 //   void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
-// Small splats: a thread each. Splats that are large or cross the near plane go to a list, and each
-// takes a workgroup of the LARGE variant of the same pass.
-#include "lib/pixel.glsl"
+// Small splats: a thread each (LISTED: only those that exact_collect found). Splats that are large or cross the near plane go to a list, and each
+// takes a workgroup of the LARGE variant of the same pass. Needs lib/pixel.glsl.
 
 #ifdef LARGE
 layout(local_size_x = STP_LARGE_GROUP) in;
@@ -24,7 +23,7 @@ void touch_blocks(ivec4 box)
     ivec4 b = (box - ivec2(frame.tile_x, frame.tile_y).xyxy) / STP_BLOCK;
     int width = b.z - b.x + 1, count = width * (b.w - b.y + 1), x = b.x, y = b.y;
     for (int i = 0; i < count; i++) {
-        frame.work.v[STP_WORK_FLAGS + y * frame.blocks_x + x] = 1;
+        frame.work.v[STP_WORK_FLAGS + y * frame.blocks_x + x] = STP_BLOCK_TOUCHED;
         if (++x > b.z) {
             x = b.x;
             y++;
@@ -72,18 +71,22 @@ void defer_large(uint id)
 void main()
 {
     uint id = workgroup_index() * STP_GROUP + gl_LocalInvocationIndex;
+#ifdef LISTED
+    if (id >= frame.work.v[STP_WORK_REPAIR + 3])
+        return;
+    id = frame.large.v[frame.splat_count + id];
+#else
     if (id >= frame.splat_count)
         return;
+#endif
     Splat s;
     if (!splat_load(id, s) || (!ORTHOGRAPHIC && splat_before_near(s)))
         return;
     bool floored;
     Footprint f = footprint_make(s, floored);
-    bool crosses = !ORTHOGRAPHIC && splat_crosses_near(s) && !floored;
     ivec4 box = footprint_pixels(s, f, floored);
     int width = box.z - box.x + 1, height = box.w - box.y + 1;
-    // In float: the product may exceed an int only where it is large anyway.
-    bool large = crosses || float(width) * float(height) > float(STP_LARGE_AREA);
+    bool large = !bounds_small(s, floored, box);
     int count = large ? 0 : width * height;
 #ifdef FIRST_PASS
     if (large)

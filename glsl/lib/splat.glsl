@@ -242,6 +242,22 @@ ivec4 footprint_pixels(Splat s, Footprint f, bool floored)
     return pixels_of(footprint_extent(s, f, floored) + place_position(f.p).xyxy);
 }
 
+// Whether a thread may draw the splat alone: its pixels are few and no plane cuts it.
+bool bounds_small(Splat s, bool floored, ivec4 box)
+{
+    // In float: the product may exceed an int only where it is large anyway.
+    float area = float(box.z - box.x + 1) * float(box.w - box.y + 1);
+    bool crosses = !ORTHOGRAPHIC && splat_crosses_near(s) && !floored;
+    return !crosses && area <= float(STP_LARGE_AREA);
+}
+
+bool splat_small(Splat s, out bool floored, out ivec4 box)
+{
+    Footprint f = footprint_make(s, floored);
+    box = footprint_pixels(s, f, floored);
+    return bounds_small(s, floored, box);
+}
+
 // The epsilon of the object that splat `id` belongs to.
 float object_epsilon(uint id)
 {
