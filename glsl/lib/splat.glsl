@@ -196,6 +196,19 @@ float depth_ordered(uint order)
     return uintBitsToFloat(order) + (ORTHOGRAPHIC ? frame.depth_low : 0);
 }
 
+// The same of a disc that crosses the near plane, where the projected centre is no place to start
+// from: it may be anywhere. The ray meets the plane at depth n.c / n.ray.
+bool clipped_hit(Splat s, uvec2 pixel, out Fragment fragment)
+{
+    vec2 c = vec2(frame.center[0], frame.center[1]);
+    vec3 ray = vec3((vec2(pixel) + 0.5 - c) * vec2(frame.inv_focal[0], frame.inv_focal[1]), 1);
+    fragment.depth = dot(s.normal, s.center) / dot(s.normal, ray);
+    vec3 v = (fragment.depth * ray - s.center) / s.radius;
+    fragment.rho2 = dot(v, v);
+    return fragment.rho2 <= 1 && fragment.depth >= frame.near_depth &&
+           fragment.depth <= frame.far_depth;
+}
+
 float kernel_weight(float rho2)
 {
     return GAUSS ? exp(-2 * rho2) : max(0, 1 - rho2);
