@@ -1,8 +1,8 @@
 // The compute rasteriser. A pass defines, before it includes this,
 //   void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
-// Small splats: a thread each (LISTED: only those that exact_collect found). Splats that are large or cross the near plane go to a list, and each
-// takes a workgroup of the LARGE variant of the same pass.
-#include "lib/pixel.glsl"
+// Small splats: a thread each (LISTED: only those that exact_collect found). Splats that are large
+// or cross the near plane go to a list, and each takes a workgroup of the LARGE variant of the same
+// pass. Needs lib/pixel.glsl.
 
 #ifdef LARGE
 layout(local_size_x = STP_LARGE_GROUP) in;
@@ -27,7 +27,8 @@ void touch_blocks(ivec4 box)
     uvec4 b = uvec4(box - ivec2(frame.tile_x, frame.tile_y).xyxy) / STP_BLOCK;
     uint width = b.z - b.x + 1, count = width * (b.w - b.y + 1);
     for (uint i = gl_LocalInvocationIndex; i < count; i += STP_LARGE_GROUP)
-        frame.work.v[STP_WORK_FLAGS + (b.y + i / width) * frame.blocks_x + b.x + i % width] = 1;
+        frame.work.v[STP_WORK_FLAGS + (b.y + i / width) * frame.blocks_x + b.x + i % width] =
+            STP_BLOCK_TOUCHED;
 }
 #else
 void touch_blocks(ivec4 box)

@@ -184,17 +184,16 @@ bool footprint_hit(Footprint f, vec2 d, out Fragment fragment)
            fragment.depth <= frame.far_depth;
 }
 
-// A depth as bits that order as it does: depths of orthographic views may be negative.
+// A depth as bits that order as it does, and are positive as an int too (STP_SUMS_NONE says why):
+// depths of orthographic views may be negative, so they are taken above the scene's nearest.
 uint depth_order(float depth)
 {
-    uint u = floatBitsToUint(depth);
-    return ORTHOGRAPHIC ? (int(u) < 0 ? ~u : u | 0x80000000u) : u;
+    return floatBitsToUint(ORTHOGRAPHIC ? max(depth - frame.depth_low, 0) : depth);
 }
 
 float depth_ordered(uint order)
 {
-    uint u = ORTHOGRAPHIC ? (int(order) < 0 ? order & 0x7fffffffu : ~order) : order;
-    return uintBitsToFloat(u);
+    return uintBitsToFloat(order) + (ORTHOGRAPHIC ? frame.depth_low : 0);
 }
 
 // The same of a disc that crosses the near plane, where the projected centre is no place to start

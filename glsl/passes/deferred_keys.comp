@@ -4,6 +4,7 @@
 #include "lib/common.glsl"
 #extension GL_EXT_shader_atomic_int64 : require
 #include "lib/splat.glsl"
+#include "lib/pixel.glsl"
 #include "lib/key.glsl"
 #define FIRST_PASS
 

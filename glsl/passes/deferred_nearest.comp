@@ -3,6 +3,7 @@
 // --voronoi exact, first step: each group's nearest depth of every pixel.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
+#include "lib/pixel.glsl"
 #define FIRST_PASS
 
 uint splat_encode(Splat s)

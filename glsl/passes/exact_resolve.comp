@@ -8,7 +8,7 @@
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
 
-const float WEIGHT_UNIT = 4095.0, PART_UNIT = 8192.0; // 12 + 13 bits, 32 fragments: below 2^31
+const float WEIGHT_UNIT = 4095.0, PART_UNIT = 4096.0; // 12 + 12 bits, 64 fragments: below 2^31
 
 struct Sums {
     int weight, depth;
@@ -74,7 +74,7 @@ void main()
     uint pixel;
     if (!resolve_pixel(p, pixel))
         return;
-    uint count = frame.counts.v[pixel], base = pixel * STP_SLOTS;
+    uint count = frame.counts.v[pixel];
     if (count > STP_SLOTS) {
         // exact_arm then sends the repair passes, and exact_collect looks for this block.
         frame.work.v[STP_WORK_OVERFLOW] = 1;
@@ -83,11 +83,11 @@ void main()
     }
     uint64_t kept[KEPT], best = ~0ul;
     [[unroll]] for (uint i = 0; i < KEPT; i++) {
-        kept[i] = i < count ? frame.keys.v[base + i] : ~0ul;
-        best = min(best, slot_rank(base + i, kept[i]));
+        kept[i] = i < count ? frame.keys.v[slot_index(pixel, i)] : ~0ul;
+        best = min(best, slot_rank(slot_index(pixel, i), kept[i]));
     }
     for (uint i = KEPT; i < count; i++)
-        best = min(best, slot_rank(base + i, frame.keys.v[base + i]));
+        best = min(best, slot_rank(slot_index(pixel, i), frame.keys.v[slot_index(pixel, i)]));
     bool hit = count > 0;
     Surface s;
     s.id = PACKED && !KEY_IDS ? STP_NO_ID : uint(best);
@@ -98,9 +98,9 @@ void main()
     s.fragments = 0;
     s.near_normal = PACKED && !KEY_IDS ? key_normal(unpackUint2x32(best)) : vec3(0, 0, -1);
     [[unroll]] for (uint i = 0; i < KEPT; i++)
-        take(sums, s, i < count, base + i, kept[i], near, epsilon, p);
+        take(sums, s, i < count, slot_index(pixel, i), kept[i], near, epsilon, p);
     for (uint i = KEPT; i < count; i++)
-        take(sums, s, true, base + i, frame.keys.v[base + i], near, epsilon, p);
+        take(sums, s, true, slot_index(pixel, i), frame.keys.v[slot_index(pixel, i)], near, epsilon, p);
     float weight = float(sums.weight);
     s.weight = weight / WEIGHT_UNIT;
     s.normal = vec3(sums.normal) / (WEIGHT_UNIT * PART_UNIT);

@@ -10,7 +10,7 @@ static void keys(struct stp_plan *plan)
     plan_fill(plan, PLAN_KEYS, 0xffffffffu, "clear keys");
     if (plan->voronoi == STP_VORONOI_EXACT) {
         plan_resource(plan, "nearest", PLAN_NEAREST, PLAN_TRANSIENT, images * 4);
-        plan_fill(plan, PLAN_NEAREST, 0xffffffffu, "clear nearest");
+        plan_fill(plan, PLAN_NEAREST, 0x7f800000u, "clear nearest");
         plan_splat(plan, "nearest", PLAN_SHADER_DEFERRED_NEAREST,
                    PLAN_SHADER_DEFERRED_NEAREST_LARGE, false,
                    (enum plan_slot[]){ PLAN_NEAREST, PLAN_SLOTS });

@@ -38,4 +38,13 @@ enum stp_result record_picture(const struct stp_env *env, const struct stp_scene
 void record_read_back(struct record_frame *frame, const struct stp_scene *scene,
                       const struct plan_tile *tile, struct stp_image *image);
 
+/* render.c: all tiles once, from record to fence; *ms leaves reading back apart. image NULL:
+ * nothing is read. The scene must have been uploaded. */
+enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
+                           const struct stp_scene *scene, struct stp_image *image, double *ms,
+                           double *read_back_ms);
+/* A few more frames, timed pass by pass: stats->pass gets the medians. */
+enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
+                               struct stp_render_stats *stats);
+
 #endif

@@ -29,11 +29,11 @@ void device_close(struct device *device)
 }
 
 enum stp_result device_plan(struct device *device, const struct stp_scene *scene,
-                            const struct stp_camera *camera,
-                            const struct stp_render_params *params, struct stp_plan **plan)
+                            const struct stp_camera *camera, const struct stp_render_params *params,
+                            struct stp_plan **plan)
 {
-    return stp_plan_create(&device->env, scene, camera, params,
-                           stp_context_limits(device->context), plan);
+    return stp_plan_create(&device->env, scene, camera, params, stp_context_limits(device->context),
+                           plan);
 }
 
 struct stp_image *device_render_plan(struct device *device, const struct stp_scene *scene,

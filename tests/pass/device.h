@@ -21,8 +21,8 @@ void device_open(struct device *device, unsigned mask_features);
 void device_close(struct device *device);
 
 enum stp_result device_plan(struct device *device, const struct stp_scene *scene,
-                            const struct stp_camera *camera,
-                            const struct stp_render_params *params, struct stp_plan **plan);
+                            const struct stp_camera *camera, const struct stp_render_params *params,
+                            struct stp_plan **plan);
 /* Plans and renders; must succeed without a line in the log. */
 struct stp_image *device_render(struct device *device, const struct stp_scene *scene,
                                 const struct stp_camera *camera,
@@ -46,10 +46,10 @@ struct stp_scene *scene_random(uint32_t seed, size_t count, double epsilon);
 
 /* judge.c */
 struct tolerance {
-    double color;  /* of the larger of 1 and the channel */
-    double normal; /* of a component */
-    double depth;  /* in epsilons */
-    double psnr;   /* over pixels that are not fragile */
+    double color;   /* of the larger of 1 and the channel */
+    double normal;  /* of a component */
+    double depth;   /* in epsilons */
+    double psnr;    /* over pixels that are not fragile */
     double fragile; /* most share of covered pixels that may be fragile */
 };
 /* Packed payloads; `exact` with ids; two-pass, and deferred with ids. */

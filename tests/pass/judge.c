@@ -1,14 +1,17 @@
 #include "device.h"
 
 /* Measured over the random clouds of these tests, with a margin of 4 or more. Packed: normals of 28
- * bits, rho^2 of 12, depths of 24. Exact with ids: weights in 4095ths. Sums in fixed point or float:
- * what float32 leaves of a position in the picture. */
-const struct tolerance packed_tolerance = { .color = 4e-3, .normal = 1e-2, .depth = 4e-3,
-                                            .psnr = 70, .fragile = 0.03 };
-const struct tolerance exact_tolerance = { .color = 4e-3, .normal = 1e-2, .depth = 4e-3,
-                                           .psnr = 75, .fragile = 0.03 };
-const struct tolerance float_tolerance = { .color = 1e-4, .normal = 2e-4, .depth = 1e-3,
-                                           .psnr = 110, .fragile = 0.03 };
+ * bits, rho^2 of 12, depths of 24. Exact with ids: weights in 4095ths. Sums in fixed point or
+ * float: what float32 leaves of a position in the picture. */
+const struct tolerance packed_tolerance = {
+    .color = 4e-3, .normal = 1e-2, .depth = 4e-3, .psnr = 70, .fragile = 0.03
+};
+const struct tolerance exact_tolerance = {
+    .color = 4e-3, .normal = 1e-2, .depth = 4e-3, .psnr = 75, .fragile = 0.03
+};
+const struct tolerance float_tolerance = {
+    .color = 1e-4, .normal = 2e-4, .depth = 1e-3, .psnr = 110, .fragile = 0.03
+};
 
 #define VARIANTS 4
 #define SHIFT    3e-4 /* pixels */
@@ -24,10 +27,9 @@ static struct pixel pixel_at(const struct stp_image *image, size_t at)
     double value[8];
     for (int i = 0; i < 8; i++)
         value[i] = stp_image_find(image, names[i])->data.f[at];
-    return (struct pixel){ { value[0], value[1], value[2] },
-                           { value[3], value[4], value[5] },
-                           value[6],
-                           value[7] };
+    return (struct pixel){
+        { value[0], value[1], value[2] }, { value[3], value[4], value[5] }, value[6], value[7]
+    };
 }
 
 /* Largest differences of colour, normal and depth; infinite where only one is covered. */

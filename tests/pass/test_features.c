@@ -58,8 +58,9 @@ static void test_without_float32_blend(void **state)
 /* Centres are projected in float32: outlines move, by less than a hundredth of a pixel here. */
 static void test_without_float64(void **state)
 {
-    static const struct tolerance rough = { .color = 0.02, .normal = 0.03, .depth = 0.02,
-                                            .psnr = 70, .fragile = 0.05 };
+    static const struct tolerance rough = {
+        .color = 0.02, .normal = 0.03, .depth = 0.02, .psnr = 70, .fragile = 0.05
+    };
     struct device device;
     device_open(&device, STP_FEATURE_FLOAT64);
     struct stp_scene *scene = scene_random(34, 120, 0.05);
@@ -156,12 +157,9 @@ static void test_sixty_four_groups(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_without_int64_atomics),
-        cmocka_unit_test(test_without_float32_blend),
-        cmocka_unit_test(test_without_float64),
-        cmocka_unit_test(test_without_int64),
-        cmocka_unit_test(test_vertex_layer),
-        cmocka_unit_test(test_sixty_four_groups),
+        cmocka_unit_test(test_without_int64_atomics), cmocka_unit_test(test_without_float32_blend),
+        cmocka_unit_test(test_without_float64),       cmocka_unit_test(test_without_int64),
+        cmocka_unit_test(test_vertex_layer),          cmocka_unit_test(test_sixty_four_groups),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

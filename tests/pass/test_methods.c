@@ -62,8 +62,7 @@ static void test_exact_ids(void **state)
 {
     struct stp_scene *scene = scene_random(2, 160, 0.05);
     in_every_view(
-        scene,
-        (struct stp_render_params){ .method = STP_METHOD_EXACT, .payload = STP_PAYLOAD_ID },
+        scene, (struct stp_render_params){ .method = STP_METHOD_EXACT, .payload = STP_PAYLOAD_ID },
         &exact_tolerance, "coloured cloud");
     stp_scene_destroy(&scene);
 }
@@ -82,8 +81,7 @@ static void test_two_pass_raster(void **state)
 {
     struct stp_scene *scene = scene_random(4, 160, 0.05);
     in_every_view(
-        scene,
-        (struct stp_render_params){ .method = STP_METHOD_TWO_PASS, .path = STP_PATH_RASTER },
+        scene, (struct stp_render_params){ .method = STP_METHOD_TWO_PASS, .path = STP_PATH_RASTER },
         &float_tolerance, "coloured cloud");
     stp_scene_destroy(&scene);
 }
@@ -96,8 +94,7 @@ static void test_deferred_own_groups(void **state)
         struct stp_scene *scene = scene_random(5, 12, 0.05);
         scene_own_groups(scene);
         in_every_view(scene,
-                      (struct stp_render_params){ .method = STP_METHOD_DEFERRED,
-                                                  .path = paths[i] },
+                      (struct stp_render_params){ .method = STP_METHOD_DEFERRED, .path = paths[i] },
                       &float_tolerance, "groups of one, coloured");
         stp_scene_destroy(&scene);
     }
@@ -106,10 +103,8 @@ static void test_deferred_own_groups(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_exact_packed),
-        cmocka_unit_test(test_exact_ids),
-        cmocka_unit_test(test_two_pass_compute),
-        cmocka_unit_test(test_two_pass_raster),
+        cmocka_unit_test(test_exact_packed),        cmocka_unit_test(test_exact_ids),
+        cmocka_unit_test(test_two_pass_compute),    cmocka_unit_test(test_two_pass_raster),
         cmocka_unit_test(test_deferred_own_groups),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

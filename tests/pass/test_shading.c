@@ -115,8 +115,8 @@ static void test_eye_dome(void **state)
         struct stp_render_params p = { .min_splat = 1.5, .background = i % 2 ? background : NULL };
         struct stp_scene *scene = sheet(1);
         uint32_t height = heights[i / 2];
-        struct stp_camera camera = i == 1 ? flat_camera(30, height, height / 2.2)
-                                          : plain_camera(30, height, height);
+        struct stp_camera camera =
+            i == 1 ? flat_camera(30, height, height / 2.2) : plain_camera(30, height, height);
         for (size_t at = 0; at < SPLATS; at++) {
             memset(scene->splats.normal[at], 0, sizeof scene->splats.normal[at]);
             scene_paint(scene, at, 0.2f, at / 10.f, 0.7f);
@@ -141,12 +141,9 @@ static void test_background(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_plain),
-        cmocka_unit_test(test_hdr_colors),
-        cmocka_unit_test(test_objects),
-        cmocka_unit_test(test_lights),
-        cmocka_unit_test(test_unknown_normals),
-        cmocka_unit_test(test_eye_dome),
+        cmocka_unit_test(test_plain),           cmocka_unit_test(test_hdr_colors),
+        cmocka_unit_test(test_objects),         cmocka_unit_test(test_lights),
+        cmocka_unit_test(test_unknown_normals), cmocka_unit_test(test_eye_dome),
         cmocka_unit_test(test_background),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

@@ -67,9 +67,9 @@ static void test_write_then_indirect_read(void **state)
 /* Arguments that were read, then reset for the second geometry pass. */
 static void test_indirect_read_then_write(void **state)
 {
-    expect_hazard((struct stp_render_params){ .method = STP_METHOD_DEFERRED,
-                                              .voronoi = STP_VORONOI_EXACT },
-                  "reset arguments", 1, "AFTER");
+    expect_hazard(
+        (struct stp_render_params){ .method = STP_METHOD_DEFERRED, .voronoi = STP_VORONOI_EXACT },
+        "reset arguments", 1, "AFTER");
 }
 
 /* Misuse of the API: a dispatch that no pipeline was bound for. */
