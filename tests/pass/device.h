@@ -70,6 +70,11 @@ struct verdict judge(const struct stp_scene *scene, const struct stp_plan *plan,
 void expect_reference(struct device *device, const struct stp_scene *scene,
                       const struct stp_camera *camera, const struct stp_render_params *params,
                       const struct tolerance *tolerance, const char *what);
+/* The same for exact (packed and ids), two-pass (compute and raster) and, where each splat is a
+ * group of its own, deferred in all four ways. */
+void expect_everywhere(struct device *device, const struct stp_scene *scene,
+                       const struct stp_camera *camera, const struct stp_render_params *params,
+                       const char *what);
 /* Every plane but id has the same bits. */
 void expect_same_bits(const struct stp_image *a, const struct stp_image *b, const char *what);
 
