@@ -23,6 +23,7 @@ enum command_bit {
     COMMAND_PREPARE = 8,
     COMMAND_COMPARE = 16,
     COMMAND_DEVICES = 32,
+    COMMAND_REPORT = 64,
 };
 
 struct settings;
@@ -44,6 +45,8 @@ struct settings {
     uint64_t given; /* bit i: option i of the table was on the command line */
     char **files;
     int file_count;
+    int word_count; /* the command line, from the command's name on, as getopt left it */
+    char **words;
 
     struct stp_load_params load;
     struct stp_prepare_params prepare;
@@ -59,8 +62,8 @@ struct settings {
     const char *output, *preview, *stats, *camera, *write_camera, *limits;
     uint32_t first_frame, last_frame;
     double exposure, least_psnr;
-    unsigned repeat, threads;
-    bool half, json, quiet, verbose, with_groups;
+    unsigned repeat, threads, rounds;
+    bool half, quick, json, quiet, verbose, with_groups;
 };
 
 /* --- options.c: the one table, and its parser --------------------------------------------- */
@@ -219,5 +222,6 @@ int run_plan(struct settings *settings);
 int run_prepare(struct settings *settings);
 int run_compare(struct settings *settings);
 int run_devices(struct settings *settings);
+int run_report(struct settings *settings);
 
 #endif

@@ -1,5 +1,6 @@
 /* stipple info: what is in a file, what is wrong with it, what would be done. */
 #include <cjson/cJSON.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -138,6 +139,13 @@ static void print_shape(const struct stp_facts *facts)
     printf("%.6g x %.6g x %.6g, up is %s\n", b[3] - b[0], b[4] - b[1], b[5] - b[2], up[facts->up]);
 }
 
+/* Aerial scans are often z up in formats that do not say so. */
+static bool lies_flat(const struct stp_facts *facts)
+{
+    const double *b = facts->bounds;
+    return facts->up == STP_UP_Y && b[5] - b[2] < 0.3 * fmin(b[3] - b[0], b[4] - b[1]);
+}
+
 static void print_surface(const struct stp_facts *facts)
 {
     row("normals");
@@ -181,6 +189,8 @@ static void print_text(const char *path, const struct stp_facts *facts,
     }
     row("try");
     printf("%s\n", intent->command);
+    if (lies_flat(facts))
+        printf("            and --up z, should it lie on its side\n");
 }
 
 /* --- JSON ------------------------------------------------------------------------------------ */

@@ -12,9 +12,11 @@
 #define PREPARE  COMMAND_PREPARE
 #define COMPARE  COMMAND_COMPARE
 #define DEVICES  COMMAND_DEVICES
+#define REPORT   COMMAND_REPORT
 #define PICTURE  (RENDER | PLAN)
-#define POINTS   (RENDER | PLAN | PREPARE)
-#define ALL      (INFO | RENDER | PLAN | PREPARE | COMPARE | DEVICES)
+#define VIEW     (RENDER | PLAN | REPORT)
+#define POINTS   (RENDER | PLAN | PREPARE | REPORT)
+#define ALL      (INFO | RENDER | PLAN | PREPARE | COMPARE | DEVICES | REPORT)
 #define ABOVE_0  DBL_TRUE_MIN, DBL_MAX
 #define AT(name) offsetof(struct settings, name)
 
@@ -28,6 +30,17 @@ const struct option_spec option_table[] = {
     { "Output", PREPARE, "output", 'o', "FILE.ply",
       "the prepared splats, as a binary PLY that reads back bit for bit. Required",
       value_ply_path, AT(output), "a name that ends in .ply", 0, 0, NULL },
+    { "Output", REPORT, "output", 'o', "DIR",
+      "the folder that gets report.csv, report.svg, report.md and error_*.png; it is made when it "
+      "is not there. Required",
+      value_text, AT(output), "the name of a folder", 0, 0, NULL },
+    { NULL, REPORT, "quick", 0, NULL,
+      "fewer configurations and rounds (default: all)",
+      value_flag, AT(quick), NULL, 0, 0, NULL },
+    { NULL, REPORT, "rounds", 0, "N",
+      "how often each configuration has its turn, for three timed frames each (default: 5, with "
+      "--quick 2)",
+      value_count, AT(rounds), "a whole number from 1 to 1000", 1, 1000, NULL },
     { NULL, RENDER, "preview", 0, "FILE.png",
       "also write an 8-bit sRGB picture with straight alpha (default: none)",
       value_png_path, AT(preview), "a name that ends in .png", 0, 0, NULL },
@@ -54,19 +67,19 @@ const struct option_spec option_table[] = {
       "find the groups of the deferred method too, and store them (default: off)",
       value_flag, AT(with_groups), NULL, 0, 0, NULL },
 
-    { "Camera", PICTURE, "view", 0, "front|back|left|right|top|bottom|iso|AZ,EL",
+    { "Camera", VIEW, "view", 0, "front|back|left|right|top|bottom|iso|AZ,EL",
       "the direction to look from; the scene is framed automatically. AZ and EL are degrees: 0,0 "
       "is front, 90,0 right, 0,90 top (default: iso, which is 35,25)",
       value_view, 0,
       "front, back, left, right, top, bottom, iso, or AZ,EL in degrees (AZ -360 to 360, EL -90 "
       "to 90)", 0, 0, NULL },
-    { NULL, PICTURE, "fov", 0, "DEG",
+    { NULL, VIEW, "fov", 0, "DEG",
       "vertical field of view when framing (default: 30)",
       value_degrees, AT(frame.fov_y), "degrees above 0 and at most 175", DBL_TRUE_MIN, 175, NULL },
-    { NULL, PICTURE, "ortho", 0, NULL,
+    { NULL, VIEW, "ortho", 0, NULL,
       "frame with an orthographic camera (default: perspective)",
       value_flag, AT(frame.orthographic), NULL, 0, 0, NULL },
-    { NULL, PICTURE, "camera", 0, "FILE.json",
+    { NULL, VIEW, "camera", 0, "FILE.json",
       "a camera file, or a path of them (default: the camera of the scene .json; else --view)",
       value_text, AT(camera), "the name of a file", 0, 0, NULL },
     { NULL, RENDER, "frames", 0, "A:B",
@@ -76,7 +89,7 @@ const struct option_spec option_table[] = {
     { NULL, RENDER, "write-camera", 0, "FILE.json",
       "write the camera that was used (default: none)",
       value_text, AT(write_camera), "the name of a file", 0, 0, NULL },
-    { NULL, PICTURE, "size", 0, "WxH",
+    { NULL, VIEW, "size", 0, "WxH",
       "pixels; wins over a camera file's size and scales its intrinsics (default: 1280x720, or "
       "the camera file's)",
       value_size, 0, "WIDTHxHEIGHT, each from 1 to 65536", 1, 65536, NULL },
@@ -100,29 +113,29 @@ const struct option_spec option_table[] = {
       "the surface is open)",
       value_choice, AT(prepare.two_sided), NULL, 0, 0, NULL },
 
-    { "Picture", PICTURE, "background", 0, "R,G,B[,A]|none",
+    { "Picture", VIEW, "background", 0, "R,G,B[,A]|none",
       "composited behind; linear light, alpha straight: it is multiplied in (default: none, "
       "alpha 0 where nothing is)",
       value_background, 0, "none, or R,G,B or R,G,B,A with A from 0 to 1", 0, 0, NULL },
     { NULL, PICTURE, "samples", 0, "N",
       "stratified samples a pixel, for smooth edges (default: 1)",
       value_count, AT(render.samples), "a whole number from 1 to 4096", 1, 4096, NULL },
-    { NULL, PICTURE, "kernel", 0, "parabola|gauss",
+    { NULL, VIEW, "kernel", 0, "parabola|gauss",
       "the weight of a splat at rho from its centre: 1 - rho^2, or exp(-2 rho^2), both within "
       "rho = 1 (default: parabola)",
       value_choice, AT(render.kernel), NULL, 0, 0, NULL },
-    { NULL, PICTURE, "epsilon", 0, "E",
+    { NULL, VIEW, "epsilon", 0, "E",
       "how far behind the nearest splat others are still blended with it, in scene units "
       "(default: the median radius of each object)",
       value_real, AT(render.epsilon), "a number above 0", ABOVE_0, NULL },
-    { NULL, PICTURE, "min-splat", 0, "F",
+    { NULL, VIEW, "min-splat", 0, "F",
       "the least diameter of a splat on the screen in pixels, so that small ones leave no holes; "
       "0 is off (default: 1.5)",
       value_min_splat, 0, "a number from 0 to 64", 0, 64, NULL },
-    { NULL, PICTURE, "cull", 0, "none|back",
+    { NULL, VIEW, "cull", 0, "none|back",
       "leave out splats that face away from the eye (default: none)",
       value_choice, AT(render.cull), NULL, 0, 0, NULL },
-    { NULL, PICTURE, "local-viewer", 0, NULL,
+    { NULL, VIEW, "local-viewer", 0, NULL,
       "highlights seen from the eye's place (default: from its direction, one for the picture)",
       value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },
 
@@ -142,7 +155,7 @@ const struct option_spec option_table[] = {
       "deferred: who wins where splats of one group overlap (default: auto, slab where the "
       "overlap is below 1)",
       value_choice, AT(render.voronoi), NULL, 0, 0, NULL },
-    { NULL, POINTS, "overlap", 0, "C",
+    { NULL, RENDER | PLAN | PREPARE, "overlap", 0, "C",
       "deferred: splats of one group may overlap as if shrunk by C; lower is faster and less "
       "exact (default: 0.85)",
       value_real, AT(group.overlap), "a number above 0 and at most 1", DBL_TRUE_MIN, 1, NULL },
@@ -155,26 +168,26 @@ const struct option_spec option_table[] = {
       "splats that face opposite ways (default: opposed)",
       value_names, AT(group.relax), "coplanar, opposed, both with a comma between, or none", 0, 0,
       relax_names },
-    { NULL, PICTURE, "tile-memory", 0, "BYTES",
+    { NULL, VIEW, "tile-memory", 0, "BYTES",
       "render in tiles when images and buffers would take more; K, M or G may follow (default: "
       "what the device has)",
       value_bytes, AT(render.memory_limit), "a whole number above 0, K, M or G may follow", 0, 0,
       NULL },
 
-    { "Device", RENDER | DEVICES, "device", 0, "SUBSTRING",
+    { "Device", RENDER | DEVICES | REPORT, "device", 0, "SUBSTRING",
       "the device whose name holds this (default: a GPU before a software device)",
       value_text, AT(context.device), "part of a device's name", 0, 0, NULL },
     { "Device", PLAN, "limits", 0, "FILE.json",
       "plan for this device, a profile that `stipple devices --json` printed (default: a "
       "built-in profile of Mesa's software device)",
       value_text, AT(limits), "the name of a file", 0, 0, NULL },
-    { NULL, PICTURE, "mask-feature", 0, "NAME",
+    { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64; may "
       "be repeated (default: none)",
       value_features, AT(render.mask_features),
       "names of int64-atomics, vertex-layer, float32-blend, int64 with commas between", 0, 0,
       NULL },
-    { NULL, RENDER, "validate", 0, NULL,
+    { NULL, RENDER | REPORT, "validate", 0, NULL,
       "run under the Vulkan validation layers; any message is a failure (default: off)",
       value_flag, AT(context.validate), NULL, 0, 0, NULL },
     { NULL, RENDER, "repeat", 0, "N",
@@ -184,7 +197,7 @@ const struct option_spec option_table[] = {
     { "Comparison", COMPARE, "epsilon", 0, "E",
       "state depth errors as multiples of E, in scene units (default: none, absolute)",
       value_real, AT(compare.epsilon), "a number above 0", ABOVE_0, NULL },
-    { NULL, COMPARE, "exposure", 0, "STOPS",
+    { NULL, COMPARE | REPORT, "exposure", 0, "STOPS",
       "brighten both pictures by 2^STOPS before FLIP (default: 0)",
       value_real, AT(compare.exposure), "a number from -64 to 64", -64, 64, NULL },
     { NULL, COMPARE, "fail-under-psnr", 0, "DB",

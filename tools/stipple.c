@@ -74,6 +74,20 @@ static const struct command commands[] = {
         run_compare,
     },
     {
+        "report",
+        COMMAND_REPORT,
+        "SCENE -o DIR [options]",
+        "speed against error for every method: CSV, SVG, Markdown",
+        "Renders the scene by every method that applies, over its parameters, in turns; measures "
+        "each against the float64 reference of the same camera; writes tables, a plot and pictures "
+        "of the errors.",
+        "  stipple report scan.ply -o report\n"
+        "  stipple report scan.ply -o report --quick --size 1024x1024 --cull back\n",
+        1,
+        1,
+        run_report,
+    },
+    {
         "devices",
         COMMAND_DEVICES,
         "[options]",
@@ -113,7 +127,7 @@ static int finish(int status)
 
 static int run_command(const struct command *command, int argc, char **argv)
 {
-    struct settings settings = { .command = command };
+    struct settings settings = { .command = command, .word_count = argc, .words = argv };
     switch (options_parse(command, argc, argv, &settings)) {
     case PARSE_RUN:
         settings.context.mask_features = settings.render.mask_features;

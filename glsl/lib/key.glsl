@@ -1,6 +1,6 @@
 // 64-bit keys of fragments (docs/deferred.md, "Keys"). Smaller wins; equal keys are equal fragments.
 //   packed, depth order:  depth 24 | rho^2 12 | normal 28
-//   packed, slabs:        slab 24-m | rho^2 12 | rest m | normal 28      depth = slab 2^m + rest
+//   packed, slabs:        slab 24-m | rho^2 12 | rest m | normal 28      depth = slab 2^m + rest, 8 <= m <= 16
 //   id, depth order:      float depth 32 | id 32
 //   id, slabs:            slab 18 | rho 14 | id 32
 // Depth is quantised so that epsilon is exactly 2^m steps.
@@ -40,35 +40,47 @@ uint rho_quantise(float rho2)
     return uint(rho2 * 4095.0 + 0.5);
 }
 
-uint64_t key_packed(Fragment f, uint normal)
+// Both layouts split at bit 32 without cutting more than rho or rest, so that 32-bit words do.
+uvec2 key_words(Fragment f, uint normal)
 {
     uint depth = depth_quantise(f.depth), rho = rho_quantise(f.rho2);
     if (VORONOI == 1) {
         uint m = frame.depth_bits, slab = depth >> m, rest = depth & ((1u << m) - 1);
-        return uint64_t(slab) << (40 + m) | uint64_t(rho) << (28 + m) | uint64_t(rest) << 28 |
-               uint64_t(normal);
+        return uvec2((rest & 15) << 28 | normal, slab << (8 + m) | rho << (m - 4) | rest >> 4);
     }
-    return uint64_t(depth) << 40 | uint64_t(rho) << 28 | uint64_t(normal);
+    return uvec2((rho & 15) << 28 | normal, depth << 8 | rho >> 4);
 }
 
-// depth in quantised steps
-void key_unpack(uint64_t key, out uint depth, out float rho2, out uint normal)
+uint64_t key_packed(Fragment f, uint normal)
 {
-    uint high = uint(key >> 28); // rho and what is above, without the top 4 bits of depth
-    normal = uint(key) & 0xfffffff;
+    return packUint2x32(key_words(f, normal));
+}
+
+// In quantised steps.
+uint key_depth(uvec2 key)
+{
     if (VORONOI == 1) {
         uint m = frame.depth_bits;
-        depth = uint(key >> (40 + m)) << m | (high & ((1u << m) - 1));
-        rho2 = float(uint(key >> (28 + m)) & 4095) * (1.0 / 4095.0);
-    } else {
-        depth = uint(key >> 40);
-        rho2 = float(high & 4095) * (1.0 / 4095.0);
+        return key.y >> (8 + m) << m | (key.y & ((1u << (m - 4)) - 1)) << 4 | key.x >> 28;
     }
+    return key.y >> 8;
+}
+
+float key_rho2(uvec2 key)
+{
+    uint rho = VORONOI == 1 ? key.y >> (frame.depth_bits - 4) & 4095
+                            : (key.y & 255) << 4 | key.x >> 28;
+    return float(rho) * (1.0 / 4095.0);
+}
+
+vec3 key_normal(uvec2 key)
+{
+    return normal_decode(key.x & 0xfffffff);
 }
 
 uint64_t key_id(Fragment f, uint id)
 {
-    uint high = floatBitsToUint(f.depth);
+    uint high = depth_order(f.depth);
     if (VORONOI == 1) {
         uint slab = uint(clamp((f.depth - frame.depth_low) * frame.slab_scale, 0.0, 262142.0));
         high = slab << 14 | uint(min(sqrt(f.rho2), 1.0) * 16383.0 + 0.5);

@@ -1,9 +1,19 @@
+#ifndef PIXEL_GLSL
+#define PIXEL_GLSL
 // Where a pixel's data lives: blocks of 8 x 8, row-major within the tile.
 
 uint pixel_index(uvec2 p) // p relative to the tile
 {
     uvec2 b = p / STP_BLOCK, i = p % STP_BLOCK;
     return (b.y * frame.blocks_x + b.x) * (STP_BLOCK * STP_BLOCK) + i.y * STP_BLOCK + i.x;
+}
+
+// Slot i of a pixel: slots of one rank lie together in a block, so that only the ranks that are used
+// take memory.
+uint slot_index(uint pixel, uint i)
+{
+    const uint block = STP_BLOCK * STP_BLOCK;
+    return (pixel / block * STP_SLOTS + i) * block + pixel % block;
 }
 
 // The pixel of thread i of block b; false outside the tile.
@@ -28,3 +38,4 @@ uint workgroup_index()
     uint count = gl_NumWorkGroups.x * gl_NumWorkGroups.y, first = (count + 1) / 2;
     return g < first ? 2 * g : 2 * (g - first) + 1;
 }
+#endif

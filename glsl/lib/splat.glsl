@@ -45,9 +45,9 @@ vec2 place_offset(Place p, uvec2 pixel)
     return vec2(ivec2(pixel) - p.whole) + (0.5 - p.part);
 }
 
-// Camera frame and projection of the centre. In double where the device can: a pixel on an outline
-// then falls on the side where the reference puts it (docs/results/accuracy.md). A splat far
-// outside the picture keeps its place within what an int holds.
+// Camera frame and projection of the centre, in double where the device can: a pixel on an outline
+// then falls on the side where the reference puts it (docs/results/accuracy.md). Only products and
+// sums are done in double; the quotient is float, with its remainder beside it.
 #ifdef WITH_FLOAT64
 #define REAL double
 #define REAL2 dvec2
@@ -65,12 +65,18 @@ void splat_place(vec3 a, inout Splat s)
     REAL3 c = REAL3(r[0] * a.x + r[1] * a.y + r[2] * a.z + t[0],
                     r[3] * a.x + r[4] * a.y + r[5] * a.z + t[1],
                     r[6] * a.x + r[7] * a.y + r[8] * a.z + t[2]);
-    REAL2 d = ORTHOGRAPHIC ? c.xy : c.xy / c.z;
-    REAL2 p = REAL2(FRAME(center)[0], FRAME(center)[1]) +
-              REAL2(FRAME(focal)[0], FRAME(focal)[1]) * d;
-    REAL2 whole = floor(clamp(p, REAL2(-1e8), REAL2(1e8)));
     s.center = vec3(c);
-    s.place = Place(ivec2(whole), vec2(p - whole));
+    REAL2 scale = REAL2(FRAME(focal)[0], FRAME(focal)[1]);
+    REAL2 middle = REAL2(FRAME(center)[0], FRAME(center)[1]), d = c.xy;
+    if (!ORTHOGRAPHIC) {
+        vec2 quotient = s.center.xy / s.center.z;
+        vec2 remainder = vec2(c.xy - REAL2(quotient) * c.z) / s.center.z;
+        d = REAL2(quotient) + REAL2(remainder);
+    }
+    // A splat far outside the picture keeps its place within what an int holds.
+    REAL2 p = middle + scale * d;
+    vec2 whole = floor(clamp(vec2(p), vec2(-1e8), vec2(1e8)));
+    s.place = Place(ivec2(whole), vec2(p - REAL2(whole)));
 }
 
 // False: culled.
@@ -178,6 +184,31 @@ bool footprint_hit(Footprint f, vec2 d, out Fragment fragment)
            fragment.depth <= frame.far_depth;
 }
 
+// A depth as bits that order as it does, and are positive as an int too (STP_SUMS_NONE says why):
+// depths of orthographic views may be negative, so they are taken above the scene's nearest.
+uint depth_order(float depth)
+{
+    return floatBitsToUint(ORTHOGRAPHIC ? max(depth - frame.depth_low, 0) : depth);
+}
+
+float depth_ordered(uint order)
+{
+    return uintBitsToFloat(order) + (ORTHOGRAPHIC ? frame.depth_low : 0);
+}
+
+// The same of a disc that crosses the near plane, where the projected centre is no place to start
+// from: it may be anywhere. The ray meets the plane at depth n.c / n.ray.
+bool clipped_hit(Splat s, uvec2 pixel, out Fragment fragment)
+{
+    vec2 c = vec2(frame.center[0], frame.center[1]);
+    vec3 ray = vec3((vec2(pixel) + 0.5 - c) * vec2(frame.inv_focal[0], frame.inv_focal[1]), 1);
+    fragment.depth = dot(s.normal, s.center) / dot(s.normal, ray);
+    vec3 v = (fragment.depth * ray - s.center) / s.radius;
+    fragment.rho2 = dot(v, v);
+    return fragment.rho2 <= 1 && fragment.depth >= frame.near_depth &&
+           fragment.depth <= frame.far_depth;
+}
+
 float kernel_weight(float rho2)
 {
     return GAUSS ? exp(-2 * rho2) : max(0, 1 - rho2);
@@ -192,6 +223,12 @@ float splat_depth_reach(Splat s)
 bool splat_crosses_near(Splat s)
 {
     return !(s.center.z - splat_depth_reach(s) > frame.near_depth);
+}
+
+// Bounds and hits are those of clipped.glsl and clipped_hit.
+bool splat_clipped(Splat s, bool floored)
+{
+    return !ORTHOGRAPHIC && !floored && splat_crosses_near(s);
 }
 
 bool splat_before_near(Splat s)
@@ -234,6 +271,21 @@ ivec4 pixels_of(vec4 box)
 ivec4 footprint_pixels(Splat s, Footprint f, bool floored)
 {
     return pixels_of(footprint_extent(s, f, floored) + place_position(f.p).xyxy);
+}
+
+// Whether a thread may draw the splat alone: its pixels are few and no plane cuts it.
+bool bounds_small(Splat s, bool floored, ivec4 box)
+{
+    // In float: the product may exceed an int only where it is large anyway.
+    float area = float(box.z - box.x + 1) * float(box.w - box.y + 1);
+    return !splat_clipped(s, floored) && area <= float(STP_LARGE_AREA);
+}
+
+bool splat_small(Splat s, out bool floored, out ivec4 box)
+{
+    Footprint f = footprint_make(s, floored);
+    box = footprint_pixels(s, f, floored);
+    return bounds_small(s, floored, box);
 }
 
 // The epsilon of the object that splat `id` belongs to.

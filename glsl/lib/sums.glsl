@@ -1,11 +1,12 @@
+#include "lib/pixel.glsl"
 // A pixel's fixed-point sums: order-independent. Words: 0 id (low half) and depth bits (high half)
 // of the nearest, 1 weight, 2-4 normal, 5 depth above the nearest over epsilon, 6-8 colour,
 // 9 fragments. With REPAIR they live in the slots of a pixel that overflowed them (exact), else in
 // a buffer of their own (two-pass).
 
-uint sums_at(uint pixel)
+uint sums_at(uint pixel, uint word)
 {
-    return pixel * (REPAIR ? STP_SLOTS : STP_SUM_WORDS);
+    return REPAIR ? slot_index(pixel, word) : pixel * STP_SUM_WORDS + word;
 }
 
 bool sums_skip(uint pixel)

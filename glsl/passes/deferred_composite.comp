@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // ZP Fig. 5: epsilon-z compositing of the K depth-images, then deferred shading. The images are
-// keys (compute), or ids in the layers of an image (raster, FROM_IMAGE).
+// keys (compute), or the layers of an image (raster, FROM_IMAGE).
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
@@ -11,18 +11,21 @@
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
 #ifdef FROM_IMAGE
-layout(set = 0, binding = 1, r32ui) uniform readonly uimage2DArray ids;
+layout(set = 0, binding = 1, rg32ui) uniform readonly uimage2DArray winners;
 #endif
 
+// One fragment of the pixel. Packed layers stay packed until they are known to count.
 struct Layer {
-    float rho2, depth;
-    vec3 normal;
+    float depth;
     uint id;
+    uvec2 key;   // PACKED
+    float rho2;  // by id
+    vec3 normal; // by id
 };
 
 Layer layer_none()
 {
-    return Layer(1, 1.0 / 0.0, vec3(0, 0, -1), STP_NO_ID);
+    return Layer(1.0 / 0.0, STP_NO_ID, uvec2(0), 1, vec3(0, 0, -1));
 }
 
 Layer layer_by_id(uint id, uvec2 p)
@@ -31,7 +34,7 @@ Layer layer_by_id(uint id, uvec2 p)
     if (id != STP_NO_ID) {
         Splat s;
         Fragment f = fragment_again(id, p, s);
-        l = Layer(f.rho2, f.depth, s.normal, id);
+        l = Layer(f.depth, id, uvec2(0), f.rho2, s.normal);
     }
     return l;
 }
@@ -39,18 +42,16 @@ Layer layer_by_id(uint id, uvec2 p)
 Layer layer_read(uint k, uint pixel, uvec2 p)
 {
 #ifdef FROM_IMAGE
-    return layer_by_id(imageLoad(ids, ivec3(p, k)).x, p);
+    uvec2 key = imageLoad(winners, ivec3(p, k)).xy;
 #else
-    uint64_t key = frame.keys.v[pixel * K + k];
-    if (!PACKED)
-        return layer_by_id(uint(key), p);
-    Layer l = layer_none();
-    uint depth, normal;
-    key_unpack(key, depth, l.rho2, normal);
-    l.normal = normal_decode(normal);
-    l.depth = key == ~0ul ? l.depth : depth_restore(depth);
-    return l;
+    uvec2 key = unpackUint2x32(frame.keys.v[pixel * K + k]);
 #endif
+    if (!PACKED)
+        return layer_by_id(key.x, p);
+    Layer l = layer_none();
+    l.key = key;
+    l.depth = key == uvec2(~0u) ? l.depth : depth_restore(key_depth(key));
+    return l;
 }
 
 void main()
@@ -60,34 +61,29 @@ void main()
     if (!resolve_pixel(p, pixel))
         return;
     Layer layers[K];
-    float near = 1.0 / 0.0;
-    uint nearest = 0;
+    Layer nearest = layer_none();
     [[unroll]] for (uint k = 0; k < K; k++) {
         layers[k] = layer_read(k, pixel, p);
         // Equal depths: the lower id, whatever its group.
-        bool nearer = layers[k].depth < near ||
-                      (layers[k].depth == near && layers[k].id < layers[nearest].id);
-        near = min(near, layers[k].depth);
-        nearest = nearer ? k : nearest;
+        if (layers[k].depth < nearest.depth ||
+            (!PACKED && layers[k].depth == nearest.depth && layers[k].id < nearest.id))
+            nearest = layers[k];
     }
+    float near = nearest.depth;
     bool hit = near < 1.0 / 0.0;
-    Surface s = Surface(0, vec3(0), 0, vec3(0), vec3(0, 0, -1), near, STP_NO_ID, 0);
+    float limit = near + (hit ? object_epsilon(nearest.id) : 0);
+    Surface s = Surface(0, vec3(0), 0, vec3(0), vec3(0), near, nearest.id, 0);
+    s.near_normal = PACKED ? key_normal(nearest.key) : nearest.normal;
     [[unroll]] for (uint k = 0; k < K; k++) {
-        if (k == nearest) {
-            s.near_normal = layers[k].normal;
-            s.id = layers[k].id;
-        }
-    }
-    float limit = near + (hit ? object_epsilon(s.id) : 0);
-    [[unroll]] for (uint k = 0; k < K; k++) {
-        bool in_ = hit && layers[k].depth <= limit;
-        float w = in_ ? kernel_weight(layers[k].rho2) : 0;
+        bool counts = hit && layers[k].depth <= limit;
+        float rho2 = PACKED ? key_rho2(layers[k].key) : layers[k].rho2;
+        float w = counts ? kernel_weight(rho2) : 0;
         s.weight += w;
-        s.normal += w * layers[k].normal;
-        s.depth += in_ ? w * (layers[k].depth - near) : 0;
-        s.fragments += in_ ? 1 : 0;
+        s.normal += w * (PACKED ? key_normal(layers[k].key) : layers[k].normal);
+        s.depth += counts ? w * (layers[k].depth - near) : 0;
+        s.fragments += counts ? 1 : 0;
         if (HAS_COLOR)
-            s.albedo += w * frame.colors.v[in_ ? layers[k].id : 0];
+            s.albedo += w * frame.colors.v[counts ? layers[k].id : 0];
     }
     s.depth = near + s.depth / s.weight;
     surface_write(p, hit, s);

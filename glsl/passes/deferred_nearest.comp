@@ -3,6 +3,7 @@
 // --voronoi exact, first step: each group's nearest depth of every pixel.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
+#include "lib/pixel.glsl"
 #define FIRST_PASS
 
 uint splat_encode(Splat s)
@@ -12,7 +13,7 @@ uint splat_encode(Splat s)
 
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
-    atomicMin(frame.nearest.v[pixel * K + splat_group(s)], floatBitsToUint(f.depth));
+    atomicMin(frame.nearest.v[pixel * K + splat_group(s)], depth_order(f.depth));
 }
 
 #include "lib/rasterize.glsl"

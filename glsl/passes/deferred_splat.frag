@@ -1,17 +1,26 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// ZP Algorithm 1, geometry pass, by the rasteriser: the winner's id; Eq. 10 as the depth.
+// ZP Algorithm 1, geometry pass, by the rasteriser: the winner's id, or its packed key; Eq. 10 as
+// the depth.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #define FRAGMENT
 #include "lib/varying.glsl"
 
-layout(location = 0) out uint id;
+#ifdef WITH_KEY
+#include "lib/key.glsl"
+#endif
+
+layout(location = 0) out uvec2 winner;
 
 void main()
 {
     Fragment f = fragment_here();
-    id = vary_id;
+#ifdef WITH_KEY
+    winner = key_words(f, normal_encode(vary_normal));
+#else
+    winner = uvec2(vary_id);
+#endif
     gl_FragDepth = hardware_depth(f.depth);
     if (VORONOI == 1) {
         float slab = floor((f.depth - frame.depth_low) * frame.slab_scale);

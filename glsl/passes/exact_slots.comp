@@ -4,6 +4,7 @@
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
+#include "lib/pixel.glsl"
 #define FIRST_PASS
 
 uint splat_encode(Splat s)
@@ -16,7 +17,7 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
     uint slot = atomicAdd(frame.counts.v[pixel], 1);
     if (slot >= STP_SLOTS)
         return;
-    uint at = pixel * STP_SLOTS + slot;
+    uint at = slot_index(pixel, slot);
     frame.keys.v[at] = PACKED ? key_packed(f, encoded) : key_id(f, id);
     if (KEY_IDS)
         frame.key_ids.v[at] = id;

@@ -18,20 +18,19 @@ void main()
     uint pixel;
     if (!resolve_pixel(p, pixel) || sums_skip(pixel))
         return;
-    uint at = sums_at(pixel);
-    uint64_t first = sums_buffer().v[at];
-    bool hit = first != ~0ul;
+    uint64_t first = sums_buffer().v[sums_at(pixel, 0)];
+    bool hit = first != STP_SUMS_NONE;
     Surface s;
     s.id = uint(first);
-    s.near_depth = uintBitsToFloat(uint(first >> 32));
+    s.near_depth = depth_ordered(uint(first >> 32));
     float scale = frame.sum_scale;
-    s.weight = sum(at + 1, scale);
-    s.normal = vec3(sum(at + 2, scale), sum(at + 3, scale), sum(at + 4, scale));
-    s.depth = s.near_depth + sum(at + 5, scale) / s.weight * (hit ? object_epsilon(s.id) : 0);
+    s.weight = sum(sums_at(pixel, 1), scale);
+    s.normal = vec3(sum(sums_at(pixel, 2), scale), sum(sums_at(pixel, 3), scale), sum(sums_at(pixel, 4), scale));
+    s.depth = s.near_depth + sum(sums_at(pixel, 5), scale) / s.weight * (hit ? object_epsilon(s.id) : 0);
     if (HAS_COLOR)
-        s.albedo = vec3(sum(at + 6, frame.color_scale), sum(at + 7, frame.color_scale),
-                        sum(at + 8, frame.color_scale));
-    s.fragments = uint(sums_buffer().v[at + 9]);
+        s.albedo = vec3(sum(sums_at(pixel, 6), frame.color_scale), sum(sums_at(pixel, 7), frame.color_scale),
+                        sum(sums_at(pixel, 8), frame.color_scale));
+    s.fragments = uint(sums_buffer().v[sums_at(pixel, 9)]);
     s.near_normal = vec3(0, 0, -1);
     if (hit) {
         Splat splat;

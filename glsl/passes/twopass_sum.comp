@@ -33,25 +33,24 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
     if (sums_skip(pixel))
         return;
-    uint at = sums_at(pixel);
-    uint64_t first = sums_buffer().v[at];
-    float nearest = uintBitsToFloat(uint(first >> 32)), epsilon = object_epsilon(uint(first));
+    uint64_t first = sums_buffer().v[sums_at(pixel, 0)];
+    float nearest = depth_ordered(uint(first >> 32)), epsilon = object_epsilon(uint(first));
     if (f.depth > nearest + epsilon)
         return;
     float w = kernel_weight(f.rho2), scale = frame.sum_scale;
-    sums_add(at + 1, w, scale);
-    sums_add(at + 2, w * s.normal.x, scale);
-    sums_add(at + 3, w * s.normal.y, scale);
-    sums_add(at + 4, w * s.normal.z, scale);
-    sums_add(at + 5, w * ((f.depth - nearest) / epsilon), scale);
+    sums_add(sums_at(pixel, 1), w, scale);
+    sums_add(sums_at(pixel, 2), w * s.normal.x, scale);
+    sums_add(sums_at(pixel, 3), w * s.normal.y, scale);
+    sums_add(sums_at(pixel, 4), w * s.normal.z, scale);
+    sums_add(sums_at(pixel, 5), w * ((f.depth - nearest) / epsilon), scale);
     if (HAS_COLOR) {
         vec3 c = frame.colors.v[id];
-        sums_add(at + 6, w * c.x, frame.color_scale);
-        sums_add(at + 7, w * c.y, frame.color_scale);
-        sums_add(at + 8, w * c.z, frame.color_scale);
+        sums_add(sums_at(pixel, 6), w * c.x, frame.color_scale);
+        sums_add(sums_at(pixel, 7), w * c.y, frame.color_scale);
+        sums_add(sums_at(pixel, 8), w * c.z, frame.color_scale);
     }
     if ((AOVS & 2) != 0)
-        atomicAdd(sums_halves().v[2 * at + 18], 1);
+        atomicAdd(sums_halves().v[2 * sums_at(pixel, 9)], 1);
 }
 
 #include "lib/rasterize.glsl"

@@ -29,20 +29,25 @@
 #define STP_LARGE_AREA   1024  /* pixels of bounds above which a splat takes a workgroup */
 #define STP_LARGE_GROUP  128
 #define STP_ROW          32768u /* workgroups along x; more go along y */
-#define STP_SLOTS        32    /* fragments a pixel that `exact` keeps before its second way */
+#define STP_SLOTS        64    /* fragments a pixel that `exact` keeps before its second way */
 #define STP_SUM_WORDS    10    /* 64-bit words of a pixel's fixed-point sums */
 #define STP_LIGHTS       8
 #define STP_NO_ID        0xffffffffu
+/* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
+ * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
+#define STP_SUMS_NONE    0x7f8000007ffffffful
 
 /* Words of the work buffer: indirect arguments, then counters, then the block flags and list. */
 #define STP_WORK_LARGE    0 /* x y z count of large splats */
 #define STP_WORK_BLOCKS   4 /* x y z count of touched blocks */
-#define STP_WORK_REPAIR   8 /* x y z: all splats again, when a pixel overflowed; else 0 */
+#define STP_WORK_REPAIR   8 /* x y z count of small splats that touch an overflowed block */
 #define STP_WORK_REPAIR_L 12
 #define STP_WORK_REPAIR_BLOCKS 16 /* x y z: the touched blocks again; else 0 */
-#define STP_WORK_OVERFLOW 20 /* pixels whose slots overflowed */
-#define STP_WORK_DRAWN    21 /* splats with a pixel inside their bounds */
-#define STP_WORK_FLAGS    32
+#define STP_WORK_COLLECT  20 /* x y z: all splats, to find those; else 0 */
+#define STP_WORK_OVERFLOW 24 /* not 0: a pixel's slots overflowed */
+#define STP_WORK_FLAGS    32 /* a word a block */
+#define STP_BLOCK_TOUCHED    1u
+#define STP_BLOCK_OVERFLOWED 2u
 
 struct stp_light_gpu {
     float position[3]; /* camera frame: a point, or the unit direction towards the light */
@@ -63,7 +68,7 @@ struct stp_frame_constants {
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group */
     STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
-    STP_ADDRESS(UintRef, large);         /* ids of large splats */
+    STP_ADDRESS(UintRef, large);         /* ids of large splats; exact: then those to repair */
     STP_ADDRESS(Uint64Ref, keys);        /* deferred: K a pixel; exact: STP_SLOTS a pixel */
     STP_ADDRESS(UintRef, key_ids);       /* exact, packed, when ids are needed beside */
     STP_ADDRESS(UintRef, counts);        /* exact: fragments a pixel */

@@ -17,19 +17,19 @@ struct stp_color_error {
 };
 
 struct stp_compare_params {
-    double epsilon;  /* scene units; 0: depth errors are absolute */
-    double exposure; /* stops, before FLIP */
+    double epsilon;           /* scene units; 0: depth errors are absolute */
+    double exposure;          /* stops, before FLIP */
     double pixels_per_degree; /* of FLIP; 0: 67 */
 };
 
 struct stp_comparison {
     struct stp_color_error covered; /* over pixels with alpha > 0 in either: what every bar means */
     struct stp_color_error all;
-    uint64_t coverage_differs;               /* pixels */
-    double depth_mean, depth_p999, depth_max; /* over epsilon; where both are finite */
+    uint64_t coverage_differs;                  /* pixels */
+    double depth_mean, depth_p999, depth_max;   /* over epsilon; where both are finite */
     double normal_mean, normal_p99, normal_max; /* degrees */
-    double flip;                             /* LDR-FLIP, mean */
-    double alpha_max;                        /* largest difference of alpha */
+    double flip;                                /* LDR-FLIP, mean */
+    double alpha_max;                           /* largest difference of alpha */
 };
 
 /* Both need R G B; A, Z and N are compared where both have them. NaN anywhere, or Inf in anything

@@ -53,14 +53,16 @@ struct stp_exr_params {
 };
 
 /* Writes beside `path` and renames: a failure leaves an old file whole. */
-STP_API enum stp_result stp_image_write_exr(const struct stp_env *env, const struct stp_image *image,
-                                            const char *path, const struct stp_exr_params *params);
+STP_API enum stp_result stp_image_write_exr(const struct stp_env *env,
+                                            const struct stp_image *image, const char *path,
+                                            const struct stp_exr_params *params);
 /* Any flat EXR of float, half or uint channels; the first part of a multi-part file. */
 STP_API enum stp_result stp_image_read_exr(const struct stp_env *env, const char *path,
                                            struct stp_image **image);
 /* 8-bit sRGB RGBA (straight alpha) of R G B A after 2^stops. */
-STP_API enum stp_result stp_image_write_png(const struct stp_env *env, const struct stp_image *image,
-                                            const char *path, double stops);
+STP_API enum stp_result stp_image_write_png(const struct stp_env *env,
+                                            const struct stp_image *image, const char *path,
+                                            double stops);
 
 #ifdef __cplusplus
 }

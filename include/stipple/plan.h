@@ -43,11 +43,11 @@ enum stp_aov {
 
 /* Optional device features; --mask-feature behaves as if the device lacked one. */
 enum stp_feature {
-    STP_FEATURE_INT64_ATOMICS = 1,  /* shaderBufferInt64Atomics */
-    STP_FEATURE_VERTEX_LAYER = 2,   /* gl_Layer from the vertex shader */
-    STP_FEATURE_FLOAT32_BLEND = 4,  /* blending into R32G32B32A32_SFLOAT */
-    STP_FEATURE_INT64 = 8,          /* shaderInt64 */
-    STP_FEATURE_FLOAT64 = 16,       /* shaderFloat64: centres are projected in double */
+    STP_FEATURE_INT64_ATOMICS = 1, /* shaderBufferInt64Atomics */
+    STP_FEATURE_VERTEX_LAYER = 2,  /* gl_Layer from the vertex shader */
+    STP_FEATURE_FLOAT32_BLEND = 4, /* blending into R32G32B32A32_SFLOAT */
+    STP_FEATURE_INT64 = 8,         /* shaderInt64 */
+    STP_FEATURE_FLOAT64 = 16,      /* shaderFloat64: centres are projected in double */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);
@@ -63,21 +63,21 @@ struct stp_render_params {
     double min_splat; /* least diameter of a projected splat, pixels; 0: 1.5; negative: off */
     unsigned samples; /* stratified samples a pixel; 0: 1 */
     unsigned aovs;    /* enum stp_aov, or-ed */
-    const float *background;  /* NULL: none (alpha 0), or linear RGBA composited behind */
-    bool local_viewer;        /* half vectors from the point, not the axis */
-    unsigned mask_features;   /* enum stp_feature, or-ed */
-    uint64_t memory_limit;    /* bytes of transient images and buffers; 0: the device's */
+    const float *background; /* NULL: none (alpha 0), or linear RGBA composited behind */
+    bool local_viewer;       /* half vectors from the point, not the axis */
+    unsigned mask_features;  /* enum stp_feature, or-ed */
+    uint64_t memory_limit;   /* bytes of transient images and buffers; 0: the device's */
 };
 
 /* What a device can do: hand-filled in tests, read from a profile or from a device. */
 struct stp_limits {
     char device[256], driver[256];
-    unsigned features;         /* enum stp_feature, or-ed */
-    uint64_t heap_bytes;       /* of the largest device-local heap */
-    uint64_t max_allocation;   /* of one buffer */
+    unsigned features;       /* enum stp_feature, or-ed */
+    uint64_t heap_bytes;     /* of the largest device-local heap */
+    uint64_t max_allocation; /* of one buffer */
     uint32_t max_image_size, max_image_layers;
-    uint32_t max_workgroups;   /* along x */
-    uint32_t processor;        /* 1: a CPU device, 2: a GPU */
+    uint32_t max_workgroups; /* along x */
+    uint32_t processor;      /* 1: a CPU device, 2: a GPU */
 };
 /* Mesa 22.3 lavapipe on two cores: what plans are made for when there is no device. */
 STP_API void stp_limits_lavapipe(struct stp_limits *limits);
@@ -102,9 +102,9 @@ struct stp_plan_summary {
     enum stp_path path;
     enum stp_payload payload;
     enum stp_voronoi voronoi;
-    const char *why;           /* one sentence */
+    const char *why; /* one sentence */
     uint64_t scene_bytes, transient_bytes, output_bytes;
-    uint32_t tiles;            /* pictures are rendered in this many tiles */
+    uint32_t tiles; /* pictures are rendered in this many tiles */
     uint32_t passes, resources;
 };
 STP_API void stp_plan_summarize(const struct stp_plan *plan, struct stp_plan_summary *summary);

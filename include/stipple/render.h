@@ -12,9 +12,9 @@ extern "C" {
 struct stp_context;
 
 struct stp_context_params {
-    const char *device;      /* substring of the device's name; NULL: GPUs first */
-    bool validate;           /* validation and synchronisation validation; a message is an error */
-    unsigned mask_features;  /* enum stp_feature, or-ed */
+    const char *device;     /* substring of the device's name; NULL: GPUs first */
+    bool validate;          /* validation and synchronisation validation; a message is an error */
+    unsigned mask_features; /* enum stp_feature, or-ed */
 };
 
 /* Thread-safe against other contexts; one context is for one thread at a time. */
@@ -26,7 +26,7 @@ STP_API const struct stp_limits *stp_context_limits(const struct stp_context *co
 STP_API unsigned stp_context_messages(const struct stp_context *context);
 STP_API void stp_context_destroy(struct stp_context **context);
 
-#define STP_MAX_PASSES 64
+#define STP_MAX_PASSES 72
 struct stp_pass_time {
     char name[48];
     double milliseconds; /* median over the frames, summed over tiles */

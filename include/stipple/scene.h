@@ -39,10 +39,10 @@ struct stp_light {
 struct stp_points {
     size_t count;
     const double (*position)[3];
-    const float (*normal)[3];    /* NULL: estimated */
-    const float *radius;         /* NULL: from local spacing; 0 or NaN: that one is */
-    const float (*color)[3];     /* NULL: the material's albedo; linear */
-    const float *opacity;        /* NULL: 1 */
+    const float (*normal)[3]; /* NULL: estimated */
+    const float *radius;      /* NULL: from local spacing; 0 or NaN: that one is */
+    const float (*color)[3];  /* NULL: the material's albedo; linear */
+    const float *opacity;     /* NULL: 1 */
 };
 
 /* One object of a scene. */
@@ -53,10 +53,10 @@ struct stp_object_params {
 };
 
 struct stp_load_params {
-    enum stp_up up;                 /* what is up; AUTO asks the file's format */
-    enum stp_transfer transfer;     /* AUTO: integer colours are sRGB, float colours linear */
-    const char *color_by;           /* NULL or "rgb", "normal", "height", "intensity", "class",
-                                       or the name of a scalar property */
+    enum stp_up up;             /* what is up; AUTO asks the file's format */
+    enum stp_transfer transfer; /* AUTO: integer colours are sRGB, float colours linear */
+    const char *color_by;       /* NULL or "rgb", "normal", "height", "intensity", "class",
+                                   or the name of a scalar property */
     const struct stp_material *material;
     double epsilon;
     float opacity;
@@ -75,8 +75,8 @@ STP_API enum stp_result stp_scene_add_points(const struct stp_env *env, struct s
                                              const struct stp_object_params *object);
 /* At most STP_MAX_LIGHTS; count 0 restores the head light. */
 #define STP_MAX_LIGHTS 8
-STP_API enum stp_result stp_scene_set_lights(struct stp_scene *scene, const struct stp_light *lights,
-                                             unsigned count);
+STP_API enum stp_result stp_scene_set_lights(struct stp_scene *scene,
+                                             const struct stp_light *lights, unsigned count);
 
 struct stp_prepare_params {
     enum stp_toggle two_sided; /* AUTO: on where normals are estimated, inward, or the surface is
@@ -91,16 +91,16 @@ STP_API enum stp_result stp_scene_prepare(const struct stp_env *env, struct stp_
                                           const struct stp_prepare_params *params);
 
 struct stp_group_params {
-    double overlap;     /* c of ZP 4.1 (3), (0, 1]; 0: STP_DEFAULT_OVERLAP */
-    unsigned relax;     /* enum stp_relax, or-ed; 0: opposed */
+    double overlap;      /* c of ZP 4.1 (3), (0, 1]; 0: STP_DEFAULT_OVERLAP */
+    unsigned relax;      /* enum stp_relax, or-ed; 0: opposed */
     unsigned max_groups; /* 0: STP_MAX_GROUPS; when the colouring needs more, c is lowered */
 };
 #define STP_DEFAULT_OVERLAP 0.85
 #define STP_MAX_GROUPS      64
 
 struct stp_grouping {
-    unsigned groups;     /* K; 0: not grouped */
-    double overlap;      /* the c that was used */
+    unsigned groups; /* K; 0: not grouped */
+    double overlap;  /* the c that was used */
     unsigned relax;
     unsigned max_degree; /* of the overlap graph, ZP Eq. 5 relaxed */
     double avg_degree;
@@ -119,28 +119,28 @@ enum stp_normals { STP_NORMALS_GIVEN = 0, STP_NORMALS_ESTIMATED, STP_NORMALS_NON
 
 /* What is known of a scene: input to plans, printed by `stipple info`. */
 struct stp_facts {
-    size_t points;         /* read */
-    size_t splats;         /* kept */
-    size_t not_finite;     /* dropped: a coordinate was NaN, infinite or beyond 1e18 */
-    size_t clipped;        /* dropped: outside the clip box */
-    size_t duplicates;     /* kept, but equal to another in every attribute */
-    size_t bad_normals;    /* zero or not finite, estimated instead */
-    size_t bad_radii;      /* zero, negative, not finite or monstrous, set from the spacing */
-    size_t outliers;       /* far from everything; their radius was bounded */
-    size_t no_normal;      /* splats that face the eye: no normal could be estimated */
+    size_t points;      /* read */
+    size_t splats;      /* kept */
+    size_t not_finite;  /* dropped: a coordinate was NaN, infinite or beyond 1e18 */
+    size_t clipped;     /* dropped: outside the clip box */
+    size_t duplicates;  /* kept, but equal to another in every attribute */
+    size_t bad_normals; /* zero or not finite, estimated instead */
+    size_t bad_radii;   /* zero, negative, not finite or monstrous, set from the spacing */
+    size_t outliers;    /* far from everything; their radius was bounded */
+    size_t no_normal;   /* splats that face the eye: no normal could be estimated */
     enum stp_normals normals;
     bool has_color, has_opacity, transparent, two_sided;
-    bool eye_dome;         /* shade by depth: normals are mostly unknown */
-    double outwardness;    /* sum r^2 n.(p - centroid) / sum r^2 |p - centroid|, [-1, 1] */
-    double bounds[6];      /* of the centres: min x y z, max x y z; absolute */
-    double origin[3];      /* positions on the device are relative to it */
+    bool eye_dome;      /* shade by depth: normals are mostly unknown */
+    double outwardness; /* sum r^2 n.(p - centroid) / sum r^2 |p - centroid|, [-1, 1] */
+    double bounds[6];   /* of the centres: min x y z, max x y z; absolute */
+    double origin[3];   /* positions on the device are relative to it */
     float radius_min, radius_median, radius_max;
-    float color_max;       /* largest colour component; 0 without colours */
+    float color_max; /* largest colour component; 0 without colours */
     unsigned objects, lights;
     bool positional_lights;
-    enum stp_up up;        /* resolved */
+    enum stp_up up; /* resolved */
     struct stp_grouping grouping;
-    char format[32];       /* of the (first) file, "" when made in memory */
+    char format[32]; /* of the (first) file, "" when made in memory */
 };
 
 /* Valid until the scene is changed or destroyed. Before prepare only points and format are set. */

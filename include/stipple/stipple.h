@@ -19,5 +19,6 @@
 #include <stipple/plan.h>
 #include <stipple/render.h>
 #include <stipple/compare.h>
+#include <stipple/report.h>
 
 #endif

@@ -31,20 +31,20 @@ struct stp_frame_params {
      * clockwise seen from above), a positive elevation upwards; pi/2 looks straight down, with
      * the front below. left is azimuth -pi/2, top is elevation pi/2. */
     double azimuth, elevation;
-    enum stp_up up;            /* AUTO: the scene's */
-    double fov_y;              /* radians; 0: 30 degrees */
+    enum stp_up up; /* AUTO: the scene's */
+    double fov_y;   /* radians; 0: 30 degrees */
     bool orthographic;
     uint32_t width, height; /* 0: 1280 x 720 */
 };
 
 /* The azimuth and elevation of `iso`, the default view. */
-#define STP_ISO_AZIMUTH   0.61086523819801535  /* 35 degrees */
-#define STP_ISO_ELEVATION 0.43633231299858238  /* 25 degrees */
+#define STP_ISO_AZIMUTH   0.61086523819801535 /* 35 degrees */
+#define STP_ISO_ELEVATION 0.43633231299858238 /* 25 degrees */
 
 /* The nearest camera from that direction that holds every splat (as a sphere of its radius;
- * outliers apart) with a 5 % margin: |ndc| <= 0.95. The eye moves in all three directions, so that the
- * scene touches both margins of the side that binds and is centred along the other. near_depth is
- * 1e-4 of the depth of the nearest splat, far_depth INFINITY. The scene must be prepared. NULL
+ * outliers apart) with a 5 % margin: |ndc| <= 0.95. The eye moves in all three directions, so that
+ * the scene touches both margins of the side that binds and is centred along the other. near_depth
+ * is 1e-4 of the depth of the nearest splat, far_depth INFINITY. The scene must be prepared. NULL
  * params: iso, 30 degrees, 1280 x 720. */
 STP_API enum stp_result stp_camera_frame(const struct stp_scene *scene,
                                          const struct stp_frame_params *params,
@@ -53,9 +53,9 @@ STP_API enum stp_result stp_camera_frame(const struct stp_scene *scene,
 /* Reads frame `index` of a camera file: an object, or an array of them (a path). Sizes of 0 keep
  * the file's; others win over it and scale its intrinsics. *count, if not NULL, gets the length
  * of the path. */
-STP_API enum stp_result stp_camera_load(const struct stp_env *env, const char *path,
-                                        uint32_t index, uint32_t width, uint32_t height,
-                                        struct stp_camera *camera, uint32_t *count);
+STP_API enum stp_result stp_camera_load(const struct stp_env *env, const char *path, uint32_t index,
+                                        uint32_t width, uint32_t height, struct stp_camera *camera,
+                                        uint32_t *count);
 /* A camera that stp_camera_load reads back bit for bit. */
 STP_API enum stp_result stp_camera_save(const struct stp_env *env, const char *path,
                                         const struct stp_camera *camera);

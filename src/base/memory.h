@@ -5,8 +5,8 @@
 
 #include <stddef.h>
 
-void *mem_alloc(size_t count, size_t size);             /* NULL on failure or overflow */
-void *mem_zalloc(size_t count, size_t size);            /* zeroed */
+void *mem_alloc(size_t count, size_t size);              /* NULL on failure or overflow */
+void *mem_zalloc(size_t count, size_t size);             /* zeroed */
 void *mem_realloc(void *old, size_t count, size_t size); /* old stays valid on failure */
 void mem_free(void *pointer);
 

@@ -160,9 +160,8 @@ static VkResult create_device(struct stp_context *context)
         context->instance.vk.vkCreateDevice(context->physical, &info, NULL, &context->device);
     if (result != VK_SUCCESS)
         return result;
-#define LOAD(name)                                                                               \
-    context->vk.name =                                                                           \
-        (PFN_##name)context->instance.vk.vkGetDeviceProcAddr(context->device, #name);
+#define LOAD(name)                                                                                 \
+    context->vk.name = (PFN_##name)context->instance.vk.vkGetDeviceProcAddr(context->device, #name);
     GPU_DEVICE_FUNCTIONS(LOAD)
 #undef LOAD
     return VK_SUCCESS;
@@ -183,7 +182,8 @@ enum stp_result gpu_device_create(const struct stp_env *env, struct stp_context 
     result = context->vk.vkCreateCommandPool(context->device, &pool, NULL, &context->pool);
     if (result != VK_SUCCESS)
         return gpu_error(env, result, "vkCreateCommandPool");
-    VkCommandBufferAllocateInfo commands = { .sType = VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
+    VkCommandBufferAllocateInfo commands = { .sType =
+                                                 VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO,
                                              .commandPool = context->pool,
                                              .commandBufferCount = 1 };
     result = context->vk.vkAllocateCommandBuffers(context->device, &commands, &context->commands);

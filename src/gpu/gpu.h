@@ -29,9 +29,9 @@ struct stp_context {
     VkPipelineCache cache;
     VkPhysicalDeviceMemoryProperties memory;
     struct stp_limits limits;
-    double timestamp_ms; /* of one tick; 0: no timestamps */
-    uint64_t allocated, peak; /* bytes of device memory */
-    unsigned messages;        /* of the validation layers */
+    double timestamp_ms;       /* of one tick; 0: no timestamps */
+    uint64_t allocated, peak;  /* bytes of device memory */
+    unsigned messages;         /* of the validation layers */
     const struct stp_env *env; /* of the call that is running; NULL between calls */
 };
 

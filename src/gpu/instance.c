@@ -96,9 +96,8 @@ static enum stp_result create(const struct stp_env *env, bool validate, void *us
                          "no Vulkan driver could be loaded (VkResult %d); install "
                          "mesa-vulkan-drivers, or use --method reference",
                          result);
-#define LOAD(name)                                                                               \
-    instance->vk.name =                                                                          \
-        (PFN_##name)instance->global.vkGetInstanceProcAddr(instance->handle, #name);
+#define LOAD(name)                                                                                 \
+    instance->vk.name = (PFN_##name)instance->global.vkGetInstanceProcAddr(instance->handle, #name);
     GPU_INSTANCE_FUNCTIONS(LOAD)
 #undef LOAD
     if (!validate)
@@ -117,9 +116,9 @@ enum stp_result gpu_instance_create(const struct stp_env *env, bool validate, vo
     *instance = (struct gpu_instance){ .validate = validate };
     enum stp_result result = open_loader(env, instance);
     if (result == STP_OK && validate && !has_validation(instance))
-        result = log_error(env, STP_ERROR_FEATURE,
-                           "%s is not installed; install vulkan-validationlayers",
-                           validation_layer);
+        result =
+            log_error(env, STP_ERROR_FEATURE,
+                      "%s is not installed; install vulkan-validationlayers", validation_layer);
     if (result == STP_OK)
         result = create(env, validate, user, instance);
     if (result != STP_OK)

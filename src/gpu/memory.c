@@ -31,10 +31,9 @@ static enum stp_result allocate(const struct stp_env *env, struct stp_context *c
                                 bool address, const char *what, VkDeviceMemory *memory,
                                 VkMemoryPropertyFlags *flags)
 {
-    VkMemoryAllocateFlagsInfo with_address = {
-        .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
-        .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT
-    };
+    VkMemoryAllocateFlagsInfo with_address = { .sType =
+                                                   VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_FLAGS_INFO,
+                                               .flags = VK_MEMORY_ALLOCATE_DEVICE_ADDRESS_BIT };
     VkMemoryAllocateInfo info = { .sType = VK_STRUCTURE_TYPE_MEMORY_ALLOCATE_INFO,
                                   .pNext = address ? &with_address : NULL,
                                   .allocationSize = needs->size,
@@ -90,14 +89,13 @@ enum stp_result gpu_buffer_create(const struct stp_env *env, struct stp_context 
                                   struct gpu_buffer *buffer)
 {
     struct gpu_buffer made = { 0 };
-    VkBufferCreateInfo info = { .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
-                                .size = bytes < 16 ? 16 : bytes,
-                                .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT |
-                                         VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
-                                         VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT |
-                                         VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
-                                         VK_BUFFER_USAGE_TRANSFER_SRC_BIT |
-                                         VK_BUFFER_USAGE_TRANSFER_DST_BIT };
+    VkBufferCreateInfo info = {
+        .sType = VK_STRUCTURE_TYPE_BUFFER_CREATE_INFO,
+        .size = bytes < 16 ? 16 : bytes,
+        .usage = VK_BUFFER_USAGE_STORAGE_BUFFER_BIT | VK_BUFFER_USAGE_UNIFORM_BUFFER_BIT |
+                 VK_BUFFER_USAGE_INDIRECT_BUFFER_BIT | VK_BUFFER_USAGE_SHADER_DEVICE_ADDRESS_BIT |
+                 VK_BUFFER_USAGE_TRANSFER_SRC_BIT | VK_BUFFER_USAGE_TRANSFER_DST_BIT
+    };
     VkResult status = context->vk.vkCreateBuffer(context->device, &info, NULL, &made.handle);
     if (status != VK_SUCCESS)
         return gpu_error(env, status, "vkCreateBuffer");
@@ -174,8 +172,8 @@ enum stp_result gpu_image_create(const struct stp_env *env, struct stp_context *
 {
     bool depth = format == VK_FORMAT_D32_SFLOAT;
     struct gpu_image made = { .layer_count = layers,
-                              .aspect = depth ? VK_IMAGE_ASPECT_DEPTH_BIT
-                                              : VK_IMAGE_ASPECT_COLOR_BIT };
+                              .aspect =
+                                  depth ? VK_IMAGE_ASPECT_DEPTH_BIT : VK_IMAGE_ASPECT_COLOR_BIT };
     VkImageCreateInfo info = { .sType = VK_STRUCTURE_TYPE_IMAGE_CREATE_INFO,
                                .imageType = VK_IMAGE_TYPE_2D,
                                .format = format,

@@ -36,9 +36,10 @@ void pass_record_compute(struct stp_context *context, VkCommandBuffer commands,
         context->vk.vkCmdDispatchIndirect(commands, work->handle, pass->offset);
         return;
     }
-    uint32_t blocks = ((tile->width + STP_BLOCK - 1) / STP_BLOCK) *
-                      ((tile->height + STP_BLOCK - 1) / STP_BLOCK);
+    uint32_t blocks =
+        ((tile->width + STP_BLOCK - 1) / STP_BLOCK) * ((tile->height + STP_BLOCK - 1) / STP_BLOCK);
     uint32_t groups = pass->groups ? pass->groups : blocks;
     /* Rows: no device need take more than 65535 along x. */
-    context->vk.vkCmdDispatch(commands, groups < STP_ROW ? groups : STP_ROW, (groups + STP_ROW - 1) / STP_ROW, 1);
+    context->vk.vkCmdDispatch(commands, groups < STP_ROW ? groups : STP_ROW,
+                              (groups + STP_ROW - 1) / STP_ROW, 1);
 }

@@ -3,7 +3,7 @@
 #include <stddef.h>
 
 /* The order of the addresses is the order of enum plan_slot. */
-#define SLOT_OFFSET(member, slot)                                                              \
+#define SLOT_OFFSET(member, slot)                                                                  \
     _Static_assert(offsetof(struct stp_frame_constants, member) == 8 * (slot), #member)
 SLOT_OFFSET(splats, PLAN_SPLATS);
 SLOT_OFFSET(colors, PLAN_COLORS);

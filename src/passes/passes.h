@@ -46,8 +46,7 @@ enum stp_result pass_pipeline(const struct stp_env *env, struct stp_context *con
                               const struct pass_resources *resources, VkPipeline *pipeline);
 enum stp_result pass_compute_pipeline(const struct stp_env *env, struct stp_context *context,
                                       const struct stp_plan *plan, const struct plan_pass *pass,
-                                      const struct pass_resources *resources,
-                                      VkPipeline *pipeline);
+                                      const struct pass_resources *resources, VkPipeline *pipeline);
 enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_context *context,
                                      const struct stp_plan *plan, const struct plan_pass *pass,
                                      const struct pass_resources *resources, VkPipeline *pipeline);

@@ -43,33 +43,41 @@ static struct targets find_targets(const struct stp_plan *plan, const struct pla
     return t;
 }
 
+/* State that no pass varies. */
+static const VkPipelineVertexInputStateCreateInfo no_vertices = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO
+};
+static const VkPipelineInputAssemblyStateCreateInfo triangles = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
+    .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST
+};
+static const VkPipelineViewportStateCreateInfo one_viewport = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
+    .viewportCount = 1,
+    .scissorCount = 1
+};
+static const VkPipelineRasterizationStateCreateInfo fill = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
+    .polygonMode = VK_POLYGON_MODE_FILL,
+    .lineWidth = 1
+};
+static const VkPipelineMultisampleStateCreateInfo one_sample = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
+    .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT
+};
+static const VkDynamicState moving[] = { VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR };
+static const VkPipelineDynamicStateCreateInfo set_late = {
+    .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
+    .dynamicStateCount = 2,
+    .pDynamicStates = moving
+};
+
 static VkResult create_pipeline(struct stp_context *context, const struct plan_pass *pass,
                                 const VkPipelineRenderingCreateInfo *rendering,
                                 const VkPipelineShaderStageCreateInfo *stages,
                                 VkPipelineLayout layout, VkPipeline *pipeline)
 {
     bool blend = pass->raster == PLAN_RASTER_BLEND;
-    VkPipelineVertexInputStateCreateInfo input = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VERTEX_INPUT_STATE_CREATE_INFO
-    };
-    VkPipelineInputAssemblyStateCreateInfo assembly = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_INPUT_ASSEMBLY_STATE_CREATE_INFO,
-        .topology = VK_PRIMITIVE_TOPOLOGY_TRIANGLE_LIST
-    };
-    VkPipelineViewportStateCreateInfo viewport = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_VIEWPORT_STATE_CREATE_INFO,
-        .viewportCount = 1,
-        .scissorCount = 1
-    };
-    VkPipelineRasterizationStateCreateInfo raster = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RASTERIZATION_STATE_CREATE_INFO,
-        .polygonMode = VK_POLYGON_MODE_FILL,
-        .lineWidth = 1
-    };
-    VkPipelineMultisampleStateCreateInfo samples = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_MULTISAMPLE_STATE_CREATE_INFO,
-        .rasterizationSamples = VK_SAMPLE_COUNT_1_BIT
-    };
     VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = !blend,
@@ -91,24 +99,18 @@ static VkResult create_pipeline(struct stp_context *context, const struct plan_p
         .attachmentCount = rendering->colorAttachmentCount,
         .pAttachments = attachments
     };
-    VkDynamicState states[] = { VK_DYNAMIC_STATE_VIEWPORT, VK_DYNAMIC_STATE_SCISSOR };
-    VkPipelineDynamicStateCreateInfo dynamic = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_DYNAMIC_STATE_CREATE_INFO,
-        .dynamicStateCount = 2,
-        .pDynamicStates = states
-    };
     VkGraphicsPipelineCreateInfo info = { .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
                                           .pNext = rendering,
                                           .stageCount = 2,
                                           .pStages = stages,
-                                          .pVertexInputState = &input,
-                                          .pInputAssemblyState = &assembly,
-                                          .pViewportState = &viewport,
-                                          .pRasterizationState = &raster,
-                                          .pMultisampleState = &samples,
+                                          .pVertexInputState = &no_vertices,
+                                          .pInputAssemblyState = &triangles,
+                                          .pViewportState = &one_viewport,
+                                          .pRasterizationState = &fill,
+                                          .pMultisampleState = &one_sample,
                                           .pDepthStencilState = &depth,
                                           .pColorBlendState = &colors,
-                                          .pDynamicState = &dynamic,
+                                          .pDynamicState = &set_late,
                                           .layout = layout };
     return context->vk.vkCreateGraphicsPipelines(context->device, context->cache, 1, &info, NULL,
                                                  pipeline);
@@ -192,9 +194,10 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                                   .layerCount = pass->layer_count,
                                   .colorAttachmentCount = targets.color_count,
                                   .pColorAttachments = colors,
-                                  .pDepthAttachment =
-                                      targets.depth == PLAN_NONE ? NULL : &depth };
-    VkViewport viewport = { .width = (float)tile->width, .height = (float)tile->height, .maxDepth = 1 };
+                                  .pDepthAttachment = targets.depth == PLAN_NONE ? NULL : &depth };
+    VkViewport viewport = { .width = (float)tile->width,
+                            .height = (float)tile->height,
+                            .maxDepth = 1 };
     uint32_t push[2] = { pass->layer, pass->first_splat };
     context->vk.vkCmdBeginRendering(commands, &rendering);
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);

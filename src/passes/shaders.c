@@ -3,12 +3,10 @@
 #include "shader_list.h"
 
 /* In the order of enum plan_shader; [1] is compiled with double. */
-static const struct pass_words shaders[][2] = {
-    { { 0 } },
-#define SHADER(name) \
+static const struct pass_words shaders[][2] = { { { 0 } },
+#define SHADER(name)                                                                               \
     { { spv_f32_##name, sizeof spv_f32_##name }, { spv_f64_##name, sizeof spv_f64_##name } },
-    SHADER_LIST
-};
+                                                SHADER_LIST };
 _Static_assert(sizeof shaders / sizeof *shaders == PLAN_SHADERS, "one variant a plan_shader");
 
 struct pass_words pass_shader(enum plan_shader shader, bool float64)
@@ -16,8 +14,8 @@ struct pass_words pass_shader(enum plan_shader shader, bool float64)
     return shaders[shader][float64];
 }
 
-VkResult pass_module(struct stp_context *context, const struct stp_plan *plan, enum plan_shader shader,
-                     VkShaderModule *module)
+VkResult pass_module(struct stp_context *context, const struct stp_plan *plan,
+                     enum plan_shader shader, VkShaderModule *module)
 {
     struct pass_words words = pass_shader(shader, plan->constant[PLAN_FLOAT64] != 0);
     VkShaderModuleCreateInfo info = { .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,

@@ -10,8 +10,8 @@ static void reset_arguments(struct stp_context *context, VkCommandBuffer command
                             const struct plan_tile *tile, const struct gpu_buffer *work)
 {
     uint32_t words[STP_WORK_FLAGS] = { 0 };
-    const uint32_t arguments[] = { STP_WORK_LARGE, STP_WORK_BLOCKS, STP_WORK_REPAIR,
-                                   STP_WORK_REPAIR_L, STP_WORK_REPAIR_BLOCKS };
+    const uint32_t arguments[] = { STP_WORK_LARGE,    STP_WORK_BLOCKS,        STP_WORK_REPAIR,
+                                   STP_WORK_REPAIR_L, STP_WORK_REPAIR_BLOCKS, STP_WORK_COLLECT };
     for (unsigned i = 0; i < sizeof arguments / sizeof *arguments; i++)
         words[arguments[i] + 1] = words[arguments[i] + 2] = 1;
     context->vk.vkCmdUpdateBuffer(commands, work->handle, 0, sizeof words, words);

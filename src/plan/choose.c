@@ -66,12 +66,12 @@ static enum stp_result choose_voronoi(const struct stp_env *env, struct stp_plan
 /* Packed keys need a depth range that 24 bits hold, and, deferred, nothing that asks for ids. */
 static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
 {
-    bool wants_ids = plan->facts.has_color || plan->facts.objects > 1 ||
-                     (plan->params.aovs & STP_AOV_ID) != 0;
+    bool wants_ids =
+        plan->facts.has_color || plan->facts.objects > 1 || (plan->params.aovs & STP_AOV_ID) != 0;
     bool fits = plan->frame.depth_bits >= LEAST_DEPTH_BITS;
-    bool packable = fits && plan->path == STP_PATH_COMPUTE && plan->voronoi != STP_VORONOI_EXACT &&
-                    (plan->method == STP_METHOD_EXACT ||
-                     (plan->method == STP_METHOD_DEFERRED && !wants_ids));
+    bool packable =
+        fits && plan->voronoi != STP_VORONOI_EXACT &&
+        (plan->method == STP_METHOD_EXACT || (plan->method == STP_METHOD_DEFERRED && !wants_ids));
     bool packed = packable && plan->params.payload != STP_PAYLOAD_ID;
     plan->payload = packed ? STP_PAYLOAD_PACKED : STP_PAYLOAD_ID;
     if (!packed && plan->voronoi == STP_VORONOI_SLAB && range_over_epsilon > MOST_SLABS)
@@ -104,8 +104,7 @@ static void explain(struct stp_plan *plan)
                  "%s is %s: %u groups at overlap %.3g, one geometry pass by %s, %s keys, Voronoi "
                  "%s.",
                  method, asked, plan->facts.grouping.groups, plan->facts.grouping.overlap,
-                 stp_path_name(plan->path),
-                 plan->payload == STP_PAYLOAD_PACKED ? "packed" : "id",
+                 stp_path_name(plan->path), plan->payload == STP_PAYLOAD_PACKED ? "packed" : "id",
                  plan->voronoi == STP_VORONOI_OFF    ? "off"
                  : plan->voronoi == STP_VORONOI_SLAB ? "slab"
                                                      : "exact");
@@ -137,7 +136,9 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     choose_payload(plan, (double)16777216.0 * ldexp(1, -(int)plan->frame.depth_bits));
     uint32_t *c = plan->constant;
     c[PLAN_GROUPS] = plan->method == STP_METHOD_DEFERRED ? plan->facts.grouping.groups : 1;
-    c[PLAN_VORONOI] = plan->voronoi == STP_VORONOI_SLAB ? 1 : plan->voronoi == STP_VORONOI_EXACT ? 2 : 0;
+    c[PLAN_VORONOI] = plan->voronoi == STP_VORONOI_SLAB    ? 1
+                      : plan->voronoi == STP_VORONOI_EXACT ? 2
+                                                           : 0;
     c[PLAN_ATOMIC64] = (plan->limits.features & STP_FEATURE_INT64_ATOMICS) != 0;
     c[PLAN_FLOAT64] = (plan->limits.features & STP_FEATURE_FLOAT64) != 0;
     /* Measured: on a CPU device a pass a layer beats one layered pass (docs/results/speed.md). */

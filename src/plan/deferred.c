@@ -29,7 +29,7 @@ static void keys(struct stp_plan *plan)
 static void layers(struct stp_plan *plan)
 {
     uint32_t groups = plan->facts.grouping.groups;
-    plan_image(plan, "ids", PLAN_IMAGE_ID, PLAN_R32UI, groups);
+    plan_image(plan, "winners", PLAN_IMAGE_ID, PLAN_RG32UI, groups);
     plan_image(plan, "depth", PLAN_IMAGE_DEPTH, PLAN_D32F, groups);
     bool layered = plan->constant[PLAN_LAYERED] != 0;
     if (!layered)
@@ -40,7 +40,8 @@ static void layers(struct stp_plan *plan)
         struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
         pass->vertex =
             layered ? PLAN_SHADER_RASTER_VERTEX_LAYERS : PLAN_SHADER_RASTER_VERTEX_ORDERED;
-        pass->shader = PLAN_SHADER_DEFERRED_FRAGMENT;
+        pass->shader = plan->constant[PLAN_PACKED] ? PLAN_SHADER_DEFERRED_FRAGMENT_PACKED
+                                                   : PLAN_SHADER_DEFERRED_FRAGMENT;
         pass->raster = PLAN_RASTER_WINNER;
         pass->layer = k;
         pass->layer_count = layered ? groups : 1;

@@ -8,7 +8,7 @@
 #include "shared/frame.h"
 
 #define PLAN_MAX_RESOURCES 32
-#define PLAN_MAX_PASSES    48
+#define PLAN_MAX_PASSES    72 /* STP_MAX_GROUPS layers, and what comes after them */
 #define PLAN_MAX_ACCESSES  12
 #define PLAN_MAX_TILES     4096
 #define PLAN_NONE          255
@@ -92,17 +92,25 @@ enum plan_shader {
     PLAN_SHADER_EXACT_SLOTS,
     PLAN_SHADER_EXACT_SLOTS_LARGE,
     PLAN_SHADER_EXACT_RESOLVE,
+    PLAN_SHADER_EXACT_ARM,
+    PLAN_SHADER_EXACT_CLEAR,
+    PLAN_SHADER_EXACT_COLLECT,
     PLAN_SHADER_TWOPASS_CLEAR,
     PLAN_SHADER_TWOPASS_DEPTH,
     PLAN_SHADER_TWOPASS_DEPTH_LARGE,
+    PLAN_SHADER_TWOPASS_DEPTH_LISTED,
     PLAN_SHADER_TWOPASS_DEPTH32,
     PLAN_SHADER_TWOPASS_DEPTH32_LARGE,
+    PLAN_SHADER_TWOPASS_DEPTH32_LISTED,
     PLAN_SHADER_TWOPASS_ID32,
     PLAN_SHADER_TWOPASS_ID32_LARGE,
+    PLAN_SHADER_TWOPASS_ID32_LISTED,
     PLAN_SHADER_TWOPASS_SUM,
     PLAN_SHADER_TWOPASS_SUM_LARGE,
+    PLAN_SHADER_TWOPASS_SUM_LISTED,
     PLAN_SHADER_TWOPASS_SUM32,
     PLAN_SHADER_TWOPASS_SUM32_LARGE,
+    PLAN_SHADER_TWOPASS_SUM32_LISTED,
     PLAN_SHADER_TWOPASS_RESOLVE,
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE,
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR,
@@ -112,13 +120,14 @@ enum plan_shader {
     PLAN_SHADER_RASTER_VERTEX_ORDERED,
     PLAN_SHADER_RASTER_VERTEX_LAYERS,
     PLAN_SHADER_DEFERRED_FRAGMENT,
+    PLAN_SHADER_DEFERRED_FRAGMENT_PACKED,
     PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT,
     PLAN_SHADER_TWOPASS_SUM_FRAGMENT,
     PLAN_SHADERS
 };
 
 enum plan_kind {
-    PLAN_FILL,     /* fill `target` with the word `value` */
+    PLAN_FILL,      /* fill `target` with the word `value` */
     PLAN_ARGUMENTS, /* reset the work buffer's arguments and flags */
     PLAN_DISPATCH,
     PLAN_DISPATCH_INDIRECT, /* three words at `offset` of the work buffer */
@@ -146,13 +155,13 @@ struct plan_pass {
     enum plan_kind kind;
     enum plan_shader shader, vertex;
     enum plan_raster raster;
-    uint8_t target;     /* FILL: resource */
-    uint32_t value;     /* FILL */
-    uint32_t offset;    /* DISPATCH_INDIRECT: bytes into the work buffer */
-    uint32_t groups;    /* DISPATCH: workgroups along x; 0: one a 64 blocks of the tile */
-    bool repair;        /* specialised with PLAN_REPAIR on */
-    uint32_t layer, layer_count;        /* DRAW: of the attachments */
-    uint32_t first_splat, splat_count;  /* DRAW */
+    uint8_t target;              /* FILL: resource */
+    uint32_t value;              /* FILL */
+    uint32_t offset;             /* DISPATCH_INDIRECT: bytes into the work buffer */
+    uint32_t groups;             /* DISPATCH: workgroups along x; 0: one a 64 blocks of the tile */
+    bool repair;                 /* specialised with PLAN_REPAIR on */
+    uint32_t layer, layer_count; /* DRAW: of the attachments */
+    uint32_t first_splat, splat_count; /* DRAW */
     uint8_t access_count;
     struct plan_access access[PLAN_MAX_ACCESSES];
 };
@@ -198,7 +207,7 @@ void plan_writes(const struct stp_plan *plan, struct plan_pass *pass, enum plan_
 void plan_updates(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 void plan_attaches(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 uint8_t plan_find(const struct stp_plan *plan, enum plan_slot slot); /* PLAN_NONE: absent */
-uint64_t plan_pixels(const struct stp_plan *plan); /* of a tile, whole blocks */
+uint64_t plan_pixels(const struct stp_plan *plan);                   /* of a tile, whole blocks */
 void plan_fill(struct stp_plan *plan, enum plan_slot slot, uint32_t value, const char *name);
 /* One pass over the splats: small, then large ones; writes `slots` (ends with PLAN_SLOTS). */
 void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_shader,

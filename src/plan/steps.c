@@ -131,8 +131,7 @@ void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_
 {
     char large_name[40];
     snprintf(large_name, sizeof large_name, "%s large", name);
-    struct plan_pass *pass =
-        plan_pass(plan, repair ? PLAN_DISPATCH_INDIRECT : PLAN_DISPATCH, name);
+    struct plan_pass *pass = plan_pass(plan, repair ? PLAN_DISPATCH_INDIRECT : PLAN_DISPATCH, name);
     pass->shader = small_shader;
     pass->repair = repair;
     pass->offset = STP_WORK_REPAIR * 4;

@@ -61,7 +61,8 @@ static void compute_resources(struct stp_plan *plan)
 {
     uint64_t blocks = plan_pixels(plan) / STP_GROUP;
     plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + 2 * blocks) * 4);
-    plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, (uint64_t)plan->facts.splats * 4);
+    uint64_t lists = plan->method == STP_METHOD_EXACT ? 2 : 1; /* large, and to repair */
+    plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, plan->facts.splats * 4 * lists);
     struct plan_pass *pass = plan_pass(plan, PLAN_ARGUMENTS, "reset arguments");
     plan_writes(plan, pass, PLAN_WORK);
     clear_outputs(plan);
@@ -175,8 +176,8 @@ enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
             return log_error(env, STP_ERROR_DEVICE_MEMORY,
                              "the device has %llu bytes; the scene takes %llu, and not even a tile "
                              "of %u pixels fits beside it",
-                             (unsigned long long)plan->limits.heap_bytes,
-                             (unsigned long long)scene, least);
+                             (unsigned long long)plan->limits.heap_bytes, (unsigned long long)scene,
+                             least);
         if (plan->tile_width >= plan->tile_height)
             columns *= 2;
         else

@@ -36,6 +36,9 @@ static void clean_normal(float normal[3])
     struct vec3 n = v3_loadf(normal);
     double length = v3_length(n);
     bool usable = length > 1e-30 && length < INFINITY;
+    /* Unit to rounding stays as it is: what was prepared once reads back bit for bit. */
+    if (usable && fabs(length - 1) < 2e-7)
+        return;
     n = usable ? v3_scale(n, 1 / length) : v3(0, 0, 0);
     normal[0] = (float)n.x;
     normal[1] = (float)n.y;

@@ -11,8 +11,8 @@ static enum stp_result make_resources(const struct stp_env *env, struct record_f
             r->format == PLAN_BUFFER
                 ? gpu_buffer_create(env, frame->context, r->bytes, GPU_DEVICE, r->name,
                                     &frame->resources.buffer[i])
-                : gpu_image_create(env, frame->context, pass_format(r->format), r->width,
-                                   r->height, r->layers, r->name, &frame->resources.image[i]);
+                : gpu_image_create(env, frame->context, pass_format(r->format), r->width, r->height,
+                                   r->layers, r->name, &frame->resources.image[i]);
         if (result == STP_OK && r->lifetime == PLAN_OUTPUT && !frame->resources.buffer[i].mapped)
             result = gpu_buffer_create(env, frame->context, r->bytes, GPU_READ_BACK, r->name,
                                        &frame->read_back[i]);
@@ -23,7 +23,8 @@ static enum stp_result make_resources(const struct stp_env *env, struct record_f
                              "frame constants", &frame->resources.constants);
 }
 
-/* Binding 0 is the frame block; an image of slot s, when the plan has it, is 1 + s - first image. */
+/* Binding 0 is the frame block; an image of slot s, when the plan has it, is 1 + s - first image.
+ */
 static uint32_t image_bindings(const struct stp_plan *plan, uint32_t binding[PLAN_SLOTS],
                                uint8_t resource[PLAN_SLOTS])
 {
@@ -41,20 +42,19 @@ static uint32_t image_bindings(const struct stp_plan *plan, uint32_t binding[PLA
 static VkResult make_layouts(struct record_frame *frame, uint32_t images, const uint32_t *binding)
 {
     struct stp_context *c = frame->context;
-    const VkShaderStageFlags stages = VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
-                                      VK_SHADER_STAGE_FRAGMENT_BIT;
+    const VkShaderStageFlags stages =
+        VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
     VkDescriptorSetLayoutBinding bindings[1 + PLAN_SLOTS] = {
         { 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, stages, NULL }
     };
     for (uint32_t i = 0; i < images; i++)
-        bindings[1 + i] = (VkDescriptorSetLayoutBinding){
-            binding[i], VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1, stages, NULL
-        };
-    VkDescriptorSetLayoutCreateInfo set = {
-        .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-        .bindingCount = 1 + images,
-        .pBindings = bindings
-    };
+        bindings[1 + i] =
+            (VkDescriptorSetLayoutBinding){ binding[i], VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1, stages,
+                                            NULL };
+    VkDescriptorSetLayoutCreateInfo set = { .sType =
+                                                VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
+                                            .bindingCount = 1 + images,
+                                            .pBindings = bindings };
     VkResult result =
         c->vk.vkCreateDescriptorSetLayout(c->device, &set, NULL, &frame->resources.set_layout);
     if (result != VK_SUCCESS)
@@ -77,8 +77,7 @@ static VkResult make_set(struct record_frame *frame, uint32_t images)
                                         .maxSets = 1,
                                         .poolSizeCount = images ? 2 : 1,
                                         .pPoolSizes = sizes };
-    VkResult result =
-        c->vk.vkCreateDescriptorPool(c->device, &pool, NULL, &frame->resources.pool);
+    VkResult result = c->vk.vkCreateDescriptorPool(c->device, &pool, NULL, &frame->resources.pool);
     if (result != VK_SUCCESS)
         return result;
     VkDescriptorSetAllocateInfo set = { .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
@@ -95,13 +94,13 @@ static void write_set(struct record_frame *frame, uint32_t images, const uint32_
     VkDescriptorBufferInfo buffer = { frame->resources.constants.handle, 0,
                                       sizeof(struct stp_frame_constants) };
     VkDescriptorImageInfo image[PLAN_SLOTS];
-    VkWriteDescriptorSet writes[1 + PLAN_SLOTS] = { { .sType =
-                                                          VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
-                                                      .dstSet = frame->resources.set,
-                                                      .descriptorCount = 1,
-                                                      .descriptorType =
-                                                          VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
-                                                      .pBufferInfo = &buffer } };
+    VkWriteDescriptorSet writes[1 + PLAN_SLOTS] = {
+        { .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
+          .dstSet = frame->resources.set,
+          .descriptorCount = 1,
+          .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
+          .pBufferInfo = &buffer }
+    };
     for (uint32_t i = 0; i < images; i++) {
         image[i] = (VkDescriptorImageInfo){ .imageView = frame->resources.image[resource[i]].all,
                                             .imageLayout = VK_IMAGE_LAYOUT_GENERAL };

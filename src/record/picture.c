@@ -12,8 +12,8 @@ static enum stp_result add_planes(struct stp_image *image, const char *const *na
     for (; *names; names++) {
         struct stp_channel *channel;
         bool id = strcmp(*names, "id") == 0;
-        enum stp_result result = stp_image_add(
-            image, *names, id ? STP_CHANNEL_UINT : STP_CHANNEL_FLOAT, &channel);
+        enum stp_result result =
+            stp_image_add(image, *names, id ? STP_CHANNEL_UINT : STP_CHANNEL_FLOAT, &channel);
         if (result != STP_OK)
             return result;
         channel->half = half && !id;
@@ -119,8 +119,8 @@ static void position_of(const struct copying *c, uint32_t x, uint32_t y, double 
     double dx = (x + 0.5 - camera->cx) / camera->fx, dy = -(y + 0.5 - camera->cy) / camera->fy;
     double scale = camera->orthographic ? 1 : z;
     const double *m = camera->world_to_camera;
-    struct vec3 e = v3_sub(v3(dx * scale, dy * scale, -z),
-                           m4_point(m, v3_load(c->plan->facts.origin)));
+    struct vec3 e =
+        v3_sub(v3(dx * scale, dy * scale, -z), m4_point(m, v3_load(c->plan->facts.origin)));
     bool hit = isfinite(z);
     for (int k = 0; k < 3; k++)
         c->p[k][at] = hit ? (float)(m[k] * e.x + m[4 + k] * e.y + m[8 + k] * e.z) : 0;

@@ -25,9 +25,9 @@ void record_frame_destroy(struct record_frame *frame);
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
                               const struct stp_scene *scene);
 
-/* walk.c: records one tile; nothing is allocated, submitted or waited for. timed: a full barrier and
- * a timestamp after every pass. skip_barrier: leaves out the barrier before that pass (tests prove
- * with it that validation sees). */
+/* walk.c: records one tile; nothing is allocated, submitted or waited for. timed: a full barrier
+ * and a timestamp after every pass. skip_barrier: leaves out the barrier before that pass (tests
+ * prove with it that validation sees). */
 #define RECORD_NO_PASS UINT32_MAX
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
                  bool timed, uint32_t skip_barrier);
@@ -37,5 +37,14 @@ enum stp_result record_picture(const struct stp_env *env, const struct stp_scene
                                const struct stp_plan *plan, struct stp_image **image);
 void record_read_back(struct record_frame *frame, const struct stp_scene *scene,
                       const struct plan_tile *tile, struct stp_image *image);
+
+/* render.c: all tiles once, from record to fence; *ms leaves reading back apart. image NULL:
+ * nothing is read. The scene must have been uploaded. */
+enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
+                           const struct stp_scene *scene, struct stp_image *image, double *ms,
+                           double *read_back_ms);
+/* A few more frames, timed pass by pass: stats->pass gets the medians. */
+enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
+                               struct stp_render_stats *stats);
 
 #endif

@@ -38,10 +38,9 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
     return gpu_submit_and_wait(env, frame->context);
 }
 
-/* All tiles once; *ms is record to fence, read-back apart. image NULL: nothing is read. */
-static enum stp_result run_frame(const struct stp_env *env, struct record_frame *frame,
-                                 const struct stp_scene *scene, struct stp_image *image, double *ms,
-                                 double *read_back_ms)
+enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
+                           const struct stp_scene *scene, struct stp_image *image, double *ms,
+                           double *read_back_ms)
 {
     const struct stp_plan *plan = frame->plan;
     *ms = *read_back_ms = 0;
@@ -67,9 +66,9 @@ static enum stp_result add_timestamps(const struct stp_env *env, struct record_f
     struct stp_context *c = frame->context;
     uint64_t ticks[PLAN_MAX_PASSES + 1];
     uint32_t count = frame->plan->pass_count;
-    VkResult status = c->vk.vkGetQueryPoolResults(c->device, frame->queries, 0, count + 1,
-                                                  sizeof ticks, ticks, sizeof *ticks,
-                                                  VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+    VkResult status = c->vk.vkGetQueryPoolResults(
+        c->device, frame->queries, 0, count + 1, sizeof ticks, ticks, sizeof *ticks,
+        VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
     if (status != VK_SUCCESS)
         return gpu_error(env, status, "vkGetQueryPoolResults");
     for (uint32_t i = 0; i < count; i++)
@@ -80,7 +79,7 @@ static enum stp_result add_timestamps(const struct stp_env *env, struct record_f
 #define PROFILED 5
 
 /* A few more frames with a timestamp and a full barrier after every pass: the medians. */
-static enum stp_result profile(const struct stp_env *env, struct record_frame *frame,
+enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
                                struct stp_render_stats *stats)
 {
     const struct stp_plan *plan = frame->plan;
@@ -113,13 +112,13 @@ static enum stp_result time_frames(const struct stp_env *env, struct record_fram
     double unused, *ms = mem_alloc(repeat, sizeof *ms);
     enum stp_result result = ms ? STP_OK : log_no_memory(env, repeat * sizeof *ms, "times");
     for (unsigned i = 0; result == STP_OK && i < repeat; i++)
-        result = run_frame(env, frame, scene, NULL, &ms[i], &unused);
+        result = record_run(env, frame, scene, NULL, &ms[i], &unused);
     if (result == STP_OK) {
         stats->frames = repeat;
         stats->frame_ms_median = median(ms, repeat);
         stats->frame_ms_min = ms[0];
         stats->frame_ms_max = ms[repeat - 1];
-        result = profile(env, frame, stats);
+        result = record_profile(env, frame, stats);
     }
     mem_free(ms);
     return result;
@@ -133,7 +132,7 @@ static enum stp_result run(const struct stp_env *env, struct record_frame *frame
     enum stp_result result = record_upload(env, frame, scene);
     stats->upload_ms = now_ms() - start;
     if (result == STP_OK)
-        result = run_frame(env, frame, scene, image, &stats->first_frame_ms, &stats->read_back_ms);
+        result = record_run(env, frame, scene, image, &stats->first_frame_ms, &stats->read_back_ms);
     if (result == STP_OK && repeat)
         result = time_frames(env, frame, scene, repeat, stats);
     if (result == STP_OK && frame->context->messages)
@@ -185,8 +184,7 @@ enum stp_result stp_render(const struct stp_env *env, struct stp_context *contex
                        : log_error(env, STP_ERROR_ARGUMENT, "method %s needs a context",
                                    stp_method_name(plan->method));
     double start = now_ms();
-    enum stp_result result =
-        reference_render(env, scene, &plan->camera, &plan->params, image);
+    enum stp_result result = reference_render(env, scene, &plan->camera, &plan->params, image);
     stats->first_frame_ms = now_ms() - start;
     return result;
 }

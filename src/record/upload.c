@@ -24,7 +24,8 @@ static void pack(void *context, size_t begin, size_t end, unsigned worker)
             out[4 + k] = s->normal[i][k];
         }
         out[3] = s->radius[i];
-        uint32_t tag = (s->group ? s->group[i] : 0u) | (s->object ? (uint32_t)s->object[i] << 8 : 0u);
+        uint32_t tag =
+            (s->group ? s->group[i] : 0u) | (s->object ? (uint32_t)s->object[i] << 8 : 0u);
         memcpy(&out[7], &tag, 4);
     }
 }
@@ -56,10 +57,11 @@ static enum stp_result upload_materials(const struct stp_env *env, struct record
     for (unsigned i = 0; i < scene->object_count; i++) {
         const struct scene_object *o = &scene->objects[i];
         const struct stp_material *m = &o->material;
+        bool lit = !frame->plan->facts.eye_dome;
         out[i] = (struct stp_material_gpu){
-            .ambient = m->ambient,
-            .diffuse = m->diffuse,
-            .specular = m->specular,
+            .ambient = lit ? m->ambient : 1, /* eye dome: albedo times what depth says */
+            .diffuse = lit ? m->diffuse : 0,
+            .specular = lit ? m->specular : 0,
             .shininess = m->shininess,
             .albedo = { m->albedo[0], m->albedo[1], m->albedo[2] },
             .epsilon = (float)(epsilon > 0 ? epsilon : o->epsilon),

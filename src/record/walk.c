@@ -29,7 +29,8 @@ static struct scope scope_of(const struct stp_plan *plan, const struct plan_pass
 {
     const struct plan_resource *resource = &plan->resource[access->resource];
     if (pass->kind == PLAN_FILL || pass->kind == PLAN_ARGUMENTS)
-        return (struct scope){ VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT, VK_ACCESS_2_TRANSFER_WRITE_BIT };
+        return (struct scope){ VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+                               VK_ACCESS_2_TRANSFER_WRITE_BIT };
     if (access->kind & PLAN_ATTACHMENT)
         return attachment_scope(resource);
     struct scope scope = { pass->kind == PLAN_DRAW ? VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
@@ -116,8 +117,8 @@ static void begin(struct record_frame *frame, VkCommandBuffer commands)
                                 .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                 .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
                                 .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT |
-                                                 VK_ACCESS_2_MEMORY_WRITE_BIT };
+                                .dstAccessMask =
+                                    VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT };
     VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                               .memoryBarrierCount = 1,
                               .pMemoryBarriers = &memory,
@@ -169,13 +170,13 @@ static void finish(struct record_frame *frame, VkCommandBuffer commands)
 {
     const struct stp_plan *plan = frame->plan;
     bool copies = false;
-    VkMemoryBarrier2 memory = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                                .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-                                .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT |
-                                                VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
-                                .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT |
-                                                 VK_ACCESS_2_TRANSFER_READ_BIT };
+    VkMemoryBarrier2 memory = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+        .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+        .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT
+    };
     barrier(frame, commands, &memory);
     for (uint32_t i = 0; i < plan->resource_count; i++) {
         if (!frame->read_back[i].handle)

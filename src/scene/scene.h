@@ -26,9 +26,9 @@ struct stp_scene {
     struct scene_object *objects;
     unsigned object_count;
     struct stp_light lights[STP_MAX_LIGHTS];
-    unsigned light_count; /* at least 1 after create: the head light */
-    bool has_camera;      /* a scene .json may carry one */
-    bool camera_intrinsics;    /* a new size scales them; else the field of view stays */
+    unsigned light_count;   /* at least 1 after create: the head light */
+    bool has_camera;        /* a scene .json may carry one */
+    bool camera_intrinsics; /* a new size scales them; else the field of view stays */
     struct stp_camera camera;
     struct splats splats;
     struct stp_facts facts;

@@ -4,7 +4,7 @@ import json
 
 import command
 
-COMMANDS = ["info", "render", "plan", "prepare", "compare", "devices"]
+COMMANDS = ["info", "render", "plan", "prepare", "compare", "report", "devices"]
 REFERENCE = ["--method", "reference", "--size", "64x64"]
 
 

@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""A stage includes only from itself and from stages before it; only the last three name Vulkan."""
+"""A stage includes only from itself and from stages before it; only gpu, passes and record name Vulkan."""
 import os
 import re
 
 import tree
 
 STAGES = ["base", "load", "scene", "prepare", "reference", "write", "report", "plan", "gpu",
-          "passes", "record"]
+          "passes", "record", "study"]
 VULKAN = {"gpu", "passes", "record"}
 # Stages that stand on the scene alone: they measure or store what others made.
 APART = {"reference": {"base", "load", "scene"}, "write": {"base", "load", "scene"},

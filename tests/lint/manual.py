@@ -12,7 +12,7 @@ import sys
 import tree
 
 PAGE = os.path.join(tree.ROOT, "docs", "stipple.1")
-COMMANDS = ["info", "render", "plan", "prepare", "compare", "devices"]
+COMMANDS = ["info", "render", "plan", "prepare", "compare", "report", "devices"]
 OPTION = re.compile(r"  (?:(-\w), |    )(--[\w-]+)(?: (\S+))?(?:  +(.*))?$")
 
 

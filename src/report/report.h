@@ -1,0 +1,114 @@
+/* What a sweep has measured, and the tables and plots that are made of it: data to text. Nothing
+ * here renders or knows how a row came about. */
+#ifndef STP_REPORT_REPORT_H
+#define STP_REPORT_REPORT_H
+
+#include <stdio.h>
+#include <stipple/compare.h>
+#include <stipple/render.h>
+
+/* Mean absolute errors below this count as equal: half a step of float32 at 1. */
+#define REPORT_ERROR_FLOOR 5.9604644775390625e-8
+
+/* Of the timed frames, milliseconds. */
+struct report_times {
+    unsigned frames;
+    double min, quartile1, median, quartile3, max;
+};
+
+struct report_row {
+    const char *method, *path;     /* as on the command line */
+    const char *payload, *voronoi; /* "" where the method has none */
+    double overlap_asked;          /* 0: nothing is grouped */
+    struct stp_grouping grouping;
+    double epsilon_scale; /* of the reference's epsilon; 1 but for variants */
+    bool is_reference;    /* what errors are measured against; not a contender */
+    struct report_times ms;
+    struct stp_comparison error;
+    uint64_t scene_bytes, transient_bytes;
+    unsigned tiles, pass_count;
+    struct stp_pass_time pass[STP_MAX_PASSES];
+    bool on_front;    /* report_find_front */
+    char picture[32]; /* the error picture's file; "": none */
+};
+
+struct report_skip {
+    char name[80], why[256];
+};
+
+#define REPORT_MAX_ROWS 128
+
+struct report {
+    const char *title, *command; /* command may be NULL */
+    const char *device, *driver, *version;
+    uint32_t width, height;
+    size_t splats;
+    double epsilon, min_splat;
+    const char *kernel, *cull;
+    unsigned rounds;
+    double seconds; /* the sweep took */
+    struct report_row *row;
+    unsigned row_count; /* at most REPORT_MAX_ROWS */
+    struct report_skip *skip;
+    unsigned skip_count;
+};
+
+/* --- front.c ------------------------------------------------------------------------------- */
+
+/* Mean absolute error over covered pixels, at least the floor: what configurations are ranked by.
+ */
+double report_error(const struct report_row *row);
+/* Marks every row that no other beats in one of time and error without losing in the other. Of
+ * equal rows the first is kept. */
+void report_find_front(struct report *report);
+/* The front from the fastest to the most exact; returns how many. */
+unsigned report_front(const struct report *report, const struct report_row **front);
+/* The fastest row with at most this error, the most exact within this time, NULL when there is
+ * none. method NULL: any. Variants of epsilon and the reference are left out. */
+const struct report_row *report_fastest(const struct report *report, const char *method,
+                                        double most_error);
+const struct report_row *report_most_exact(const struct report *report, const char *method,
+                                           double most_ms);
+/* The methods in order of appearance, the reference apart. */
+#define REPORT_MAX_METHODS 8
+unsigned report_methods(const struct report *report, const char *methods[REPORT_MAX_METHODS]);
+/* Sorts and summarises; quartiles are interpolated. count > 0. */
+struct report_times report_times(double *ms, unsigned count);
+
+/* --- writers -------------------------------------------------------------------------------- */
+
+/* "deferred compute, c 0.4, slab, packed" */
+#define REPORT_NAME_SIZE 96
+const char *report_row_name(const struct report_row *row, char name[REPORT_NAME_SIZE]);
+/* Four significant digits at most, no exponent from 0.001 to 99999; "inf" for infinity. */
+#define REPORT_NUMBER_SIZE 32
+const char *report_number(double value, char text[REPORT_NUMBER_SIZE]);
+
+/* All expect the C locale, and report failures through ferror. */
+void report_csv(FILE *out, const struct report *report);
+void report_markdown(FILE *out, const struct report *report);
+void report_svg(FILE *out, const struct report *report);
+
+/* --- heat.c: pictures of the error ------------------------------------------------------------ */
+
+/* Errors at or below the low end are drawn in its colour, likewise at the high end. */
+#define HEAT_LOW   1e-4
+#define HEAT_HIGH  1e-1
+#define HEAT_WIDTH 480 /* pictures are reduced to at most this */
+
+/* The largest channel difference a pixel, averaged over the pixels that fall into one of the
+ * picture's; -1 where neither picture is covered. Both need R G B A. */
+struct heat {
+    uint32_t width, height;
+    float *error;
+};
+enum stp_result heat_measure(const struct stp_env *env, const struct stp_image *image,
+                             const struct stp_image *reference, struct heat *heat);
+/* Linear R G B A, to be written as PNG; with the scale as a bar along the bottom. */
+enum stp_result heat_picture(const struct stp_env *env, const struct heat *heat,
+                             struct stp_image **picture);
+void heat_release(struct heat *heat);
+/* Linear colour of an error on the scale. */
+void heat_color(double error, float rgb[3]);
+
+#endif

@@ -1,0 +1,96 @@
+/* The sweep behind stp_report: which configurations there are, and their frames kept on the device
+ * at once, so that they are timed in turns. */
+#ifndef STP_STUDY_STUDY_H
+#define STP_STUDY_STUDY_H
+
+#include <stipple/report.h>
+
+#include "record/record.h"
+#include "report/report.h"
+
+/* --- configs.c: the parameters that are swept ------------------------------------------------ */
+
+struct study_config {
+    enum stp_method method;
+    enum stp_path path;
+    enum stp_payload payload;
+    enum stp_voronoi voronoi;
+    double overlap;       /* deferred only, else 0 */
+    double epsilon_scale; /* of the reference's */
+};
+
+#define STUDY_MAX_CONFIGS 64
+/* Every combination, applicable or not; methods one after another. Returns how many. */
+unsigned study_configs(bool quick, struct study_config configs[STUDY_MAX_CONFIGS]);
+/* The row's words and parameters; nothing that is measured. */
+void study_describe(const struct study_config *config, struct report_row *row);
+/* NULL when the plan does what the configuration says, else why it does not. */
+const char *study_mismatch(const struct study_config *config, const struct stp_plan *plan);
+
+/* --- groups.c: one scene, grouped at several overlaps ---------------------------------------- */
+
+#define STUDY_MAX_GROUPINGS 8
+struct study_groups {
+    struct stp_scene *scene;
+    unsigned count;
+    struct study_grouping {
+        double asked;
+        struct stp_grouping facts;
+        uint8_t *group;
+    } at[STUDY_MAX_GROUPINGS];
+    struct study_grouping before; /* of the scene when the study began */
+};
+/* Remembers the grouping that the scene has. */
+void study_groups_begin(struct study_groups *groups, struct stp_scene *scene);
+/* Groups the scene at this overlap when it was not yet, and shows the scene in that grouping. */
+enum stp_result study_groups_use(const struct stp_env *env, struct study_groups *groups,
+                                 const struct stp_group_params *params, double overlap);
+/* The scene is as it was. */
+void study_groups_end(struct study_groups *groups);
+
+/* --- frames.c: frames that live beside each other --------------------------------------------- */
+
+struct study_frame {
+    struct study_config config;
+    struct stp_plan *plan;
+    struct record_frame frame;
+    bool alive;
+    uint64_t used; /* the turn in which it ran last */
+    double *ms;    /* timed frames so far */
+    unsigned count;
+    struct heat heat;
+};
+
+struct study {
+    const struct stp_env *env;
+    struct stp_env quiet; /* env without progress */
+    struct stp_context *context;
+    struct stp_scene *scene;
+    const struct stp_camera *camera;
+    struct stp_report_params params;
+    double epsilon;
+    struct study_groups groups;
+    struct stp_image *reference;
+    struct study_frame *frame;
+    unsigned frame_count;
+    struct report report;  /* row i is frame i's; the reference's comes after them */
+    uint64_t budget, held; /* bytes on the device: most, and now */
+    uint64_t turn;
+};
+
+/* Makes the frame's resources if they are not there, taking away those least recently used when the
+ * budget is spent. */
+enum stp_result study_frame_wake(struct study *study, struct study_frame *frame);
+void study_frame_sleep(struct study *study, struct study_frame *frame);
+/* Every frame in turns: the first visit also reads the picture and measures its error, and of each
+ * visit the first frame is not timed. */
+enum stp_result study_time(struct study *study);
+/* Times of passes of the rows that matter: the front, and the two-pass baseline. */
+enum stp_result study_profile(struct study *study);
+uint64_t study_budget(const struct stp_context *context);
+
+/* --- files.c ---------------------------------------------------------------------------------- */
+
+enum stp_result study_write(struct study *study, const char *folder);
+
+#endif

@@ -1,0 +1,100 @@
+#!/usr/bin/env python3
+"""stipple report on a small ball: the files are whole, agree with each other, and their errors are
+those that render and compare find; and how it refuses."""
+import csv
+import os
+import re
+import struct
+import xml.etree.ElementTree as xml
+
+import command
+
+SHARED = ["--size", "96x64", "--cull", "back", "--min-splat", "0"]
+
+
+class Report(command.CommandTest):
+    def rows(self):
+        with open(self.path("out/report.csv"), newline="", encoding="ascii") as file:
+            return list(csv.DictReader(file))
+
+    def make(self, *more):
+        self.done("report", "ball.ply", "-o", "out", "--quick", "--rounds", "1", *SHARED, *more)
+        return self.rows()
+
+    def compared(self, row):
+        """The error of a row's configuration, by the other commands."""
+        options = ["--method", row["method"], "--path", row["path"]]
+        for name, column in [("--payload", "payload"), ("--voronoi", "voronoi"),
+                             ("--overlap", "overlap_asked")]:
+            if row[column]:
+                options += [name, row[column]]
+        self.done("render", "ball.ply", "-o", "a.exr", *SHARED, *options)
+        self.done("render", "ball.ply", "-o", "b.exr", *SHARED, "--method", "reference")
+        return self.done_json("compare", "--json", "a.exr", "b.exr", "--epsilon", row["epsilon"])
+
+    def test_files(self):
+        rows = self.make()
+        front = [row for row in rows if row["front"] == "1"]
+        names = sorted(os.listdir(self.path("out")))
+        pictures = [f"error_{i + 1}.png" for i in range(len(front))]
+        self.assertEqual(names, sorted(pictures + ["report.csv", "report.md", "report.svg"]))
+        for name in pictures:
+            head = self.read("out/" + name)[:24]
+            self.assertEqual(struct.unpack(">II", head[16:])[0], 96)
+        self.assertEqual(xml.fromstring(self.read("out/report.svg")).tag,
+                         "{http://www.w3.org/2000/svg}svg")
+        text = self.read("out/report.md").decode()
+        for name in re.findall(r"\]\((\S+)\)", text):
+            self.assertIn(name, names)
+        self.assertIn("stipple report", text)
+        self.assertNotIn(self.folder, text)
+
+    def test_rows(self):
+        rows = self.make()
+        self.assertEqual({row["method"] for row in rows},
+                         {"exact", "two-pass", "deferred", "reference"})
+        for row in rows:
+            times = [float(row["ms_" + k]) for k in
+                     ["min", "quartile1", "median", "quartile3", "max"]]
+            self.assertEqual(times, sorted(times))
+            self.assertGreater(times[0], 0)
+            self.assertEqual(row["frames"], "1" if row["method"] == "reference" else "3")
+            self.assertLess(float(row["mean_absolute"]), 0.1)
+            self.assertEqual(bool(row["groups"]), row["method"] == "deferred")
+        for method, bound in [("exact", 1e-3), ("two-pass", 1e-4), ("reference", 0)]:
+            errors = [float(r["mean_absolute"]) for r in rows if r["method"] == method]
+            self.assertLessEqual(max(errors), bound)
+
+    def test_errors_are_those_of_compare(self):
+        rows = self.make()
+        for wanted in [("exact", "compute"), ("deferred", "compute"), ("two-pass", "raster")]:
+            row = next(r for r in rows if (r["method"], r["path"]) == wanted)
+            other = self.compared(row)
+            for name in ["mean_absolute", "rmse", "p999", "over_1_255"]:
+                self.assertAlmostEqual(float(row[name]), other["covered"][name], 9, (wanted, name))
+            for name in ["coverage_differs", "depth_mean", "normal_mean", "flip"]:
+                self.assertAlmostEqual(float(row[name]), other[name], 6, (wanted, name))
+
+    def test_masked_features_are_left_out(self):
+        rows = self.make("--mask-feature", "int64-atomics")
+        self.assertFalse([r for r in rows if (r["method"], r["path"]) == ("deferred", "compute")])
+        self.assertTrue([r for r in rows if r["method"] == "deferred"])
+        self.assertIn("shaderBufferInt64Atomics", self.read("out/report.md").decode())
+
+    def test_columns_are_documented(self):
+        documents = os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "..", "docs")
+        with open(os.path.join(documents, "report.md"), encoding="utf-8") as file:
+            text = file.read()
+        for name in self.make()[0]:
+            self.assertIn(f"`{name}`", text)
+
+    def test_refusals(self):
+        self.fails(2, ["-o DIR"], "report", "ball.ply")
+        self.fails(2, ["--rounds", "1 to 1000"], "report", "ball.ply", "-o", "out", "--rounds", "0")
+        self.fails(2, ["--method"], "report", "ball.ply", "-o", "out", "--method", "exact")
+        self.fails(1, ["ball.ply", "Not a directory"], "report", "ball.ply", "-o", "ball.ply")
+        self.fails(1, ["no/out"], "report", "ball.ply", "-o", "no/out")
+        self.fails(3, ["none.ply"], "report", "none.ply", "-o", "out")
+
+
+command.main()
