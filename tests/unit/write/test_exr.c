@@ -190,7 +190,8 @@ static void test_damage(void **state)
     }
 }
 
-/* A small part of a large picture is read; a few hundred bytes that claim one of gigabytes are not. */
+/* A small part of a large picture is read; a few hundred bytes that claim one of gigabytes are not.
+ */
 static void test_display_window(void **state)
 {
     static const struct {
