@@ -80,7 +80,7 @@ vec3 key_normal(uvec2 key)
 
 uint64_t key_id(Fragment f, uint id)
 {
-    uint high = floatBitsToUint(f.depth);
+    uint high = depth_order(f.depth);
     if (VORONOI == 1) {
         uint slab = uint(clamp((f.depth - frame.depth_low) * frame.slab_scale, 0.0, 262142.0));
         high = slab << 14 | uint(min(sqrt(f.rho2), 1.0) * 16383.0 + 0.5);

@@ -1,7 +1,8 @@
 // The compute rasteriser. A pass defines, before it includes this,
 //   void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
-// Small splats: a thread each (LISTED: only those that exact_collect found). Splats that are large or cross the near plane go to a list, and each
-// takes a workgroup of the LARGE variant of the same pass. Needs lib/pixel.glsl.
+// Small splats: a thread each (LISTED: only those that exact_collect found). Splats that are large
+// or cross the near plane go to a list, and each takes a workgroup of the LARGE variant of the same
+// pass. Needs lib/pixel.glsl.
 
 #ifdef LARGE
 layout(local_size_x = STP_LARGE_GROUP) in;
@@ -10,14 +11,26 @@ layout(local_size_x = STP_LARGE_GROUP) in;
 layout(local_size_x = STP_GROUP) in;
 #endif
 
-void visit(uint id, Splat s, Footprint f, uint encoded, uvec2 pixel)
+void visit(uint id, Splat s, Footprint f, bool clipped, uint encoded, uvec2 pixel)
 {
     Fragment fragment;
-    if (footprint_hit(f, place_offset(f.p, pixel), fragment))
+    if (clipped ? clipped_hit(s, pixel, fragment)
+                : footprint_hit(f, place_offset(f.p, pixel), fragment))
         fragment_emit(pixel_index(pixel - uvec2(frame.tile_x, frame.tile_y)), id, s, fragment,
                       encoded);
 }
 
+#ifdef LARGE
+// All threads of the group: a tile may have more blocks than the 65535 turns that lavapipe allows.
+void touch_blocks(ivec4 box)
+{
+    uvec4 b = uvec4(box - ivec2(frame.tile_x, frame.tile_y).xyxy) / STP_BLOCK;
+    uint width = b.z - b.x + 1, count = width * (b.w - b.y + 1);
+    for (uint i = gl_LocalInvocationIndex; i < count; i += STP_LARGE_GROUP)
+        frame.work.v[STP_WORK_FLAGS + (b.y + i / width) * frame.blocks_x + b.x + i % width] =
+            STP_BLOCK_TOUCHED;
+}
+#else
 void touch_blocks(ivec4 box)
 {
     ivec4 b = (box - ivec2(frame.tile_x, frame.tile_y).xyxy) / STP_BLOCK;
@@ -30,6 +43,7 @@ void touch_blocks(ivec4 box)
         }
     }
 }
+#endif
 
 #ifdef LARGE
 
@@ -44,16 +58,16 @@ void main()
     splat_load(id, s);
     bool floored;
     Footprint f = footprint_make(s, floored);
-    ivec4 box = !ORTHOGRAPHIC && splat_crosses_near(s) && !floored ? clipped_pixels(s)
-                                                                   : footprint_pixels(s, f, floored);
+    bool clipped = splat_clipped(s, floored);
+    ivec4 box = clipped ? clipped_pixels(s) : footprint_pixels(s, f, floored);
     uint width = uint(box.z - box.x + 1), count = width * uint(box.w - box.y + 1);
     uint encoded = splat_encode(s);
 #ifdef FIRST_PASS
-    if (gl_LocalInvocationIndex == 0)
+    if (count > 0)
         touch_blocks(box);
 #endif
     for (uint i = gl_LocalInvocationIndex; i < count; i += STP_LARGE_GROUP)
-        visit(id, s, f, encoded, uvec2(box.xy) + uvec2(i % width, i / width));
+        visit(id, s, f, clipped, encoded, uvec2(box.xy) + uvec2(i % width, i / width));
 }
 
 #else
@@ -97,7 +111,7 @@ void main()
     uint encoded = splat_encode(s);
     int x = box.x, y = box.y;
     for (int i = 0; i < count; i++) {
-        visit(id, s, f, encoded, uvec2(x, y));
+        visit(id, s, f, false, encoded, uvec2(x, y));
         if (++x > box.z) {
             x = box.x;
             y++;

@@ -27,6 +27,10 @@ Fragment fragment_again(uint id, uvec2 pixel, out Splat s)
     bool floored;
     Footprint f = footprint_make(s, floored);
     Fragment fragment;
-    footprint_hit(f, place_offset(f.p, pixel + uvec2(frame.tile_x, frame.tile_y)), fragment);
+    uvec2 at = pixel + uvec2(frame.tile_x, frame.tile_y);
+    if (splat_clipped(s, floored))
+        clipped_hit(s, at, fragment);
+    else
+        footprint_hit(f, place_offset(f.p, at), fragment);
     return fragment;
 }

@@ -184,6 +184,31 @@ bool footprint_hit(Footprint f, vec2 d, out Fragment fragment)
            fragment.depth <= frame.far_depth;
 }
 
+// A depth as bits that order as it does, and are positive as an int too (STP_SUMS_NONE says why):
+// depths of orthographic views may be negative, so they are taken above the scene's nearest.
+uint depth_order(float depth)
+{
+    return floatBitsToUint(ORTHOGRAPHIC ? max(depth - frame.depth_low, 0) : depth);
+}
+
+float depth_ordered(uint order)
+{
+    return uintBitsToFloat(order) + (ORTHOGRAPHIC ? frame.depth_low : 0);
+}
+
+// The same of a disc that crosses the near plane, where the projected centre is no place to start
+// from: it may be anywhere. The ray meets the plane at depth n.c / n.ray.
+bool clipped_hit(Splat s, uvec2 pixel, out Fragment fragment)
+{
+    vec2 c = vec2(frame.center[0], frame.center[1]);
+    vec3 ray = vec3((vec2(pixel) + 0.5 - c) * vec2(frame.inv_focal[0], frame.inv_focal[1]), 1);
+    fragment.depth = dot(s.normal, s.center) / dot(s.normal, ray);
+    vec3 v = (fragment.depth * ray - s.center) / s.radius;
+    fragment.rho2 = dot(v, v);
+    return fragment.rho2 <= 1 && fragment.depth >= frame.near_depth &&
+           fragment.depth <= frame.far_depth;
+}
+
 float kernel_weight(float rho2)
 {
     return GAUSS ? exp(-2 * rho2) : max(0, 1 - rho2);
@@ -198,6 +223,12 @@ float splat_depth_reach(Splat s)
 bool splat_crosses_near(Splat s)
 {
     return !(s.center.z - splat_depth_reach(s) > frame.near_depth);
+}
+
+// Bounds and hits are those of clipped.glsl and clipped_hit.
+bool splat_clipped(Splat s, bool floored)
+{
+    return !ORTHOGRAPHIC && !floored && splat_crosses_near(s);
 }
 
 bool splat_before_near(Splat s)
@@ -247,8 +278,7 @@ bool bounds_small(Splat s, bool floored, ivec4 box)
 {
     // In float: the product may exceed an int only where it is large anyway.
     float area = float(box.z - box.x + 1) * float(box.w - box.y + 1);
-    bool crosses = !ORTHOGRAPHIC && splat_crosses_near(s) && !floored;
-    return !crosses && area <= float(STP_LARGE_AREA);
+    return !splat_clipped(s, floored) && area <= float(STP_LARGE_AREA);
 }
 
 bool splat_small(Splat s, out bool floored, out ivec4 box)

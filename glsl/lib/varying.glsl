@@ -8,7 +8,7 @@ VARY(0) uint vary_id;
 VARY(1) vec4 vary_a; // part, zc, g
 VARY(5) ivec2 vary_whole;
 VARY(2) vec4 vary_b; // ab, h
-VARY(3) vec4 vary_c; // q, reach
+VARY(3) vec4 vary_c; // q, reach (negative: the disc is clipped)
 VARY(4) vec3 vary_normal;
 
 #ifdef FRAGMENT
@@ -19,7 +19,15 @@ Fragment fragment_here()
                             vary_b.zw, vary_c.w);
     Fragment fragment;
     uvec2 pixel = uvec2(gl_FragCoord.xy) + uvec2(frame.tile_x, frame.tile_y);
-    if (!footprint_hit(f, place_offset(f.p, pixel), fragment))
+    bool hit;
+    if (f.reach < 0) {
+        Splat s;
+        splat_load(vary_id, s);
+        hit = clipped_hit(s, pixel, fragment);
+    } else {
+        hit = footprint_hit(f, place_offset(f.p, pixel), fragment);
+    }
+    if (!hit)
         discard;
     return fragment;
 }

@@ -13,7 +13,7 @@ uint splat_encode(Splat s)
 
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
-    atomicMin(frame.nearest.v[pixel * K + splat_group(s)], floatBitsToUint(f.depth));
+    atomicMin(frame.nearest.v[pixel * K + splat_group(s)], depth_order(f.depth));
 }
 
 #include "lib/rasterize.glsl"

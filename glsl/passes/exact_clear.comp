@@ -12,5 +12,5 @@ void main()
     if (!resolve_pixel(p, pixel) || frame.counts.v[pixel] <= STP_SLOTS)
         return;
     for (uint i = 0; i < STP_SUM_WORDS; i++)
-        frame.keys.v[slot_index(pixel, i)] = i == 0 ? ~0ul : 0ul;
+        frame.keys.v[slot_index(pixel, i)] = i == 0 ? STP_SUMS_NONE : 0ul;
 }

@@ -29,7 +29,7 @@ void sums_add(inout Sums s, float w, vec3 normal, float above, uint id)
 // In quantised steps when packed.
 float slot_depth(uvec2 key)
 {
-    return PACKED ? float(key_depth(key)) : uintBitsToFloat(key.y);
+    return PACKED ? float(key_depth(key)) : depth_ordered(key.y);
 }
 
 uint slot_id(uint at, uvec2 key)

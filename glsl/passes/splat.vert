@@ -60,6 +60,6 @@ void main()
     vary_whole = f.p.whole;
     vary_a = vec4(f.p.part, f.zc, f.g);
     vary_b = vec4(f.ab, f.h);
-    vary_c = vec4(f.q, f.reach);
+    vary_c = vec4(f.q, splat_clipped(s, floored) ? -1 : f.reach);
     vary_normal = s.normal;
 }

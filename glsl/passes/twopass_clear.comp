@@ -12,5 +12,5 @@ void main()
         return;
     uint at = (block * STP_GROUP + gl_LocalInvocationIndex) * STP_SUM_WORDS;
     for (uint i = 0; i < STP_SUM_WORDS; i++)
-        frame.sums.v[at + i] = i == 0 ? ~0ul : 0ul;
+        frame.sums.v[at + i] = i == 0 ? STP_SUMS_NONE : 0ul;
 }

@@ -21,7 +21,7 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
     if (sums_skip(pixel))
         return;
-    uint at = sums_at(pixel, 0), depth = floatBitsToUint(f.depth);
+    uint at = sums_at(pixel, 0), depth = depth_order(f.depth);
 #ifdef WITH_ATOMIC64
     atomicMin(sums_buffer().v[at], uint64_t(depth) << 32 | id);
 #elif defined(NEAREST_ID)

@@ -19,10 +19,10 @@ void main()
     if (!resolve_pixel(p, pixel) || sums_skip(pixel))
         return;
     uint64_t first = sums_buffer().v[sums_at(pixel, 0)];
-    bool hit = first != ~0ul;
+    bool hit = first != STP_SUMS_NONE;
     Surface s;
     s.id = uint(first);
-    s.near_depth = uintBitsToFloat(uint(first >> 32));
+    s.near_depth = depth_ordered(uint(first >> 32));
     float scale = frame.sum_scale;
     s.weight = sum(sums_at(pixel, 1), scale);
     s.normal = vec3(sum(sums_at(pixel, 2), scale), sum(sums_at(pixel, 3), scale), sum(sums_at(pixel, 4), scale));

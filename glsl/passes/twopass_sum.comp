@@ -34,7 +34,7 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
     if (sums_skip(pixel))
         return;
     uint64_t first = sums_buffer().v[sums_at(pixel, 0)];
-    float nearest = uintBitsToFloat(uint(first >> 32)), epsilon = object_epsilon(uint(first));
+    float nearest = depth_ordered(uint(first >> 32)), epsilon = object_epsilon(uint(first));
     if (f.depth > nearest + epsilon)
         return;
     float w = kernel_weight(f.rho2), scale = frame.sum_scale;

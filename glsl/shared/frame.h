@@ -33,6 +33,9 @@
 #define STP_SUM_WORDS    10    /* 64-bit words of a pixel's fixed-point sums */
 #define STP_LIGHTS       8
 #define STP_NO_ID        0xffffffffu
+/* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
+ * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
+#define STP_SUMS_NONE    0x7f8000007ffffffful
 
 /* Words of the work buffer: indirect arguments, then counters, then the block flags and list. */
 #define STP_WORK_LARGE    0 /* x y z count of large splats */

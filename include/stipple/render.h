@@ -26,7 +26,7 @@ STP_API const struct stp_limits *stp_context_limits(const struct stp_context *co
 STP_API unsigned stp_context_messages(const struct stp_context *context);
 STP_API void stp_context_destroy(struct stp_context **context);
 
-#define STP_MAX_PASSES 64
+#define STP_MAX_PASSES 72
 struct stp_pass_time {
     char name[48];
     double milliseconds; /* median over the frames, summed over tiles */

@@ -3,11 +3,20 @@
 #include <stdarg.h>
 #include <stdio.h>
 
+/* Names out of files and paths may hold line feeds and escape sequences of terminals. */
+static void keep_to_one_line(char *line)
+{
+    for (; *line; line++)
+        if ((unsigned char)*line < ' ' || *line == 0x7f)
+            *line = '?';
+}
+
 static void emit(const struct stp_env *env, enum stp_log_level level, const char *format,
                  va_list args)
 {
     char line[1024];
     vsnprintf(line, sizeof line, format, args);
+    keep_to_one_line(line);
     if (env && env->log)
         env->log(env->user, level, line);
     else if (level < STP_LOG_INFO)

@@ -1,4 +1,5 @@
-/* One line to the caller's log. Nothing here keeps state. */
+/* One line to the caller's log: control characters in what is printed become '?'. Nothing here
+ * keeps state. */
 #ifndef STP_BASE_LOG_H
 #define STP_BASE_LOG_H
 

@@ -25,11 +25,6 @@ static const char sample[] = "sample its surface to points, as PLY, with normals
 static const char volume[] = "a volume is not a point file";
 
 static const struct signature signatures[] = {
-    SIGNATURE(0, "LASF", "LAS/LAZ", to_ply),
-    SIGNATURE(0, "# .PCD", "PCD", to_ply),
-    SIGNATURE(0, ".PCD", "PCD", to_ply),
-    SIGNATURE(0, "VERSION .7", "PCD", to_ply),
-    SIGNATURE(0, "VERSION 0.7", "PCD", to_ply),
     SIGNATURE(0, "ASTM-E57", "E57", to_ply),
     SIGNATURE(0, "DRACO", "Draco", to_ply),
     SIGNATURE(0, "glTF", "binary glTF", sample),

@@ -13,10 +13,8 @@ struct reader {
 
 /* Asked in this order; plain text comes last, because it has no signature. */
 static const struct reader readers[] = {
-    { ply_probe, ply_read },
-    { off_probe, off_read },
-    { obj_probe, obj_read },
-    { xyz_probe, xyz_read },
+    { ply_probe, ply_read }, { las_probe, las_read }, { pcd_probe, pcd_read },
+    { off_probe, off_read }, { obj_probe, obj_read }, { xyz_probe, xyz_read },
 };
 
 static enum stp_result refuse(const struct stp_env *env, const char *path,
@@ -30,7 +28,7 @@ static enum stp_result refuse(const struct stp_env *env, const char *path,
                          known.advice);
     return log_error(
         env, STP_ERROR_FORMAT,
-        "%s: byte 0: not a point file that is read (PLY, text, OFF, OBJ, gzip of any): "
+        "%s: byte 0: not a point file that is read (PLY, LAS, PCD, text, OFF, OBJ, gzip of any): "
         "convert it to PLY",
         path);
 }

@@ -8,6 +8,8 @@
 bool ply_probe(const struct file_bytes *bytes);
 bool off_probe(const struct file_bytes *bytes);
 bool obj_probe(const struct file_bytes *bytes);
+bool las_probe(const struct file_bytes *bytes);
+bool pcd_probe(const struct file_bytes *bytes);
 bool xyz_probe(const struct file_bytes *bytes);
 
 enum stp_result ply_read(const struct stp_env *env, const char *path,
@@ -17,6 +19,12 @@ enum stp_result off_read(const struct stp_env *env, const char *path,
                          const struct file_bytes *bytes, const struct load_options *options,
                          struct cloud *cloud);
 enum stp_result obj_read(const struct stp_env *env, const char *path,
+                         const struct file_bytes *bytes, const struct load_options *options,
+                         struct cloud *cloud);
+enum stp_result las_read(const struct stp_env *env, const char *path,
+                         const struct file_bytes *bytes, const struct load_options *options,
+                         struct cloud *cloud);
+enum stp_result pcd_read(const struct stp_env *env, const char *path,
                          const struct file_bytes *bytes, const struct load_options *options,
                          struct cloud *cloud);
 enum stp_result xyz_read(const struct stp_env *env, const char *path,

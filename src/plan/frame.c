@@ -67,6 +67,7 @@ static void quantisation(struct stp_plan *plan)
     struct stp_frame_constants *f = &plan->frame;
     double low, high, epsilon = f->epsilon;
     depth_range(plan, &low, &high);
+    double nearest = low;
     low -= 0.25 * epsilon; /* rounding never reaches below step 0 */
     double bits = floor(24 - log2((high - low) / epsilon + 2));
     f->depth_bits = bits > 16 ? 16 : bits < 1 ? 1 : (uint32_t)bits;
@@ -75,31 +76,31 @@ static void quantisation(struct stp_plan *plan)
     f->depth_scale = (float)scale;
     f->depth_step = (float)(1 / scale);
     f->slab_scale = (float)(1 / epsilon);
-    f->raster_near = (float)(plan->camera.orthographic ? high + epsilon : low);
+    f->raster_near = (float)(plan->camera.orthographic ? high + epsilon : nearest);
     f->raster_scale = (float)(1 / (high - low + 2 * epsilon));
     struct vec3 size = v3_sub(v3_load(plan->facts.bounds + 3), v3_load(plan->facts.bounds));
-    double diagonal = v3_length(size) + 2 * plan->facts.radius_median;
-    f->eye_dome_scale = (float)(16 / diagonal);
+    double diagonal = v3_length(size);
+    f->eye_dome_scale = diagonal > 0 ? (float)(16 / diagonal) : 0;
 }
 
 static void light(const struct stp_plan *plan, const struct stp_light *in,
                   struct stp_light_gpu *out)
 {
     const double *m = plan->camera.world_to_camera;
-    struct vec3 p = in->at_eye       ? v3(0, 0, in->positional ? 0 : 1)
-                    : in->positional ? m4_point(m, v3_load(in->position))
-                                     : v3_unit(m4_direction(m, v3_load(in->direction)));
+    bool positional = in->positional && !in->at_eye;
+    struct vec3 p = in->at_eye   ? v3(0, 0, 1)
+                    : positional ? m4_point(m, v3_load(in->position))
+                                 : v3_unit(m4_direction(m, v3_load(in->direction)));
     out->position[0] = (float)p.x;
     out->position[1] = (float)-p.y;
     out->position[2] = (float)-p.z;
-    out->positional = in->positional;
+    out->positional = positional;
     memcpy(out->color, in->color, sizeof out->color);
 }
 
 static bool is_head_light(const struct stp_light *light)
 {
-    return light->at_eye && !light->positional && light->color[0] == 1 && light->color[1] == 1 &&
-           light->color[2] == 1;
+    return light->at_eye && light->color[0] == 1 && light->color[1] == 1 && light->color[2] == 1;
 }
 
 /* The shininess as a count of squarings when all objects share a power of two; else 32. */
@@ -127,8 +128,10 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     c[PLAN_HAS_COLOR] = plan->facts.has_color;
     c[PLAN_HAS_OBJECTS] = plan->facts.objects > 1;
     c[PLAN_HAS_UNKNOWN] = plan->facts.no_normal > 0;
-    c[PLAN_HEAD_LIGHT] = scene->light_count == 1 && is_head_light(&scene->lights[0]);
-    c[PLAN_LOCAL_VIEWER] = p->local_viewer;
+    /* A scene that is shaded by depth has unlit materials (record/upload.c) and needs no lights. */
+    bool lit = !plan->facts.eye_dome;
+    c[PLAN_HEAD_LIGHT] = !lit || (scene->light_count == 1 && is_head_light(&scene->lights[0]));
+    c[PLAN_LOCAL_VIEWER] = lit && p->local_viewer;
     c[PLAN_BACKGROUND] = p->background != NULL;
     c[PLAN_AOVS] = ((p->aovs & (STP_AOV_ALBEDO | STP_AOV_WEIGHT)) != 0 ? 1u : 0u) |
                    ((p->aovs & (STP_AOV_ID | STP_AOV_FRAGMENTS)) != 0 ? 2u : 0u);

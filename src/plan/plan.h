@@ -8,7 +8,7 @@
 #include "shared/frame.h"
 
 #define PLAN_MAX_RESOURCES 32
-#define PLAN_MAX_PASSES    48
+#define PLAN_MAX_PASSES    72 /* STP_MAX_GROUPS layers, and what comes after them */
 #define PLAN_MAX_ACCESSES  12
 #define PLAN_MAX_TILES     4096
 #define PLAN_NONE          255

@@ -10,6 +10,9 @@
 #define MAX_SIDE 65536
 /* No lossless compression of EXR shrinks by more (zlib: 1032). */
 #define MAX_RATIO 2048
+/* Planes of a display window that the data do not fill may be as large whatever the file's size: a
+ * small part of a picture of 8192 x 4096 in eight channels. */
+#define MAX_EMPTY ((double)(1 << 30))
 
 static enum stp_result refuse(const struct stp_env *env, const struct exr_source *s,
                               const char *what)
@@ -86,6 +89,10 @@ static enum stp_result check_windows(const struct stp_env *env, struct exr_sourc
     /* Whole chunks may count the picture up to four times. */
     if (bytes > (double)s->io->bytes->size * MAX_RATIO * 4)
         return refuse(env, s, "damaged: its windows are too large for the size of the file");
+    double shown = ((double)s->display.max.x - s->display.min.x + 1) *
+                   ((double)s->display.max.y - s->display.min.y + 1) * s->list->num_channels * 4;
+    if (shown > MAX_EMPTY && shown > (double)s->io->bytes->size * MAX_RATIO * 4)
+        return refuse(env, s, "its display window is too large for the size of the file");
     return STP_OK;
 }
 

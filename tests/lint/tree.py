@@ -23,7 +23,7 @@ def files(*endings, folders=None):
 
 
 def text(path):
-    with open(os.path.join(ROOT, path), encoding="utf-8") as file:
+    with open(os.path.join(ROOT, path), encoding="utf-8", errors="replace") as file:
         return file.read()
 
 

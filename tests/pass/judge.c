@@ -1,0 +1,184 @@
+#include "device.h"
+
+/* Measured over the random clouds of these tests, with a margin of 4 or more. Packed: normals of 28
+ * bits, rho^2 of 12, depths of 24. Exact with ids: weights in 4095ths. Sums in fixed point or
+ * float: what float32 leaves of a position in the picture. */
+const struct tolerance packed_tolerance = {
+    .color = 4e-3, .normal = 6e-3, .depth = 4e-3, .psnr = 70, .fragile = 0.03
+};
+const struct tolerance exact_tolerance = {
+    .color = 2e-3, .normal = 3e-3, .depth = 4e-3, .psnr = 80, .fragile = 0.03
+};
+const struct tolerance float_tolerance = {
+    .color = 1e-4, .normal = 2e-4, .depth = 1e-3, .psnr = 110, .fragile = 0.03
+};
+
+#define VARIANTS 4
+#define SHIFT    1e-3 /* pixels */
+#define JUMP     0.01 /* what moving the picture by so little changes only where it is not smooth */
+
+struct pixel {
+    double color[3], normal[3], alpha, z;
+};
+
+static struct pixel pixel_at(const struct stp_image *image, size_t at)
+{
+    static const char *const names[] = { "R", "G", "B", "N.X", "N.Y", "N.Z", "A", "Z" };
+    double value[8];
+    for (int i = 0; i < 8; i++)
+        value[i] = stp_image_find(image, names[i])->data.f[at];
+    return (struct pixel){
+        { value[0], value[1], value[2] }, { value[3], value[4], value[5] }, value[6], value[7]
+    };
+}
+
+/* Largest differences of colour, normal and depth; infinite where only one is covered. */
+struct distance {
+    double color, normal, depth, square;
+};
+
+static struct distance distance(const struct pixel *a, const struct pixel *b, double epsilon)
+{
+    struct distance d = { 0 };
+    if (isfinite(a->z) != isfinite(b->z))
+        return (struct distance){ INFINITY, INFINITY, INFINITY, INFINITY };
+    for (int k = 0; k < 3; k++) {
+        double scale = fmax(1, fabs(b->color[k])), e = (a->color[k] - b->color[k]) / scale;
+        d.color = fmax(d.color, fabs(e));
+        d.square += e * e / 3;
+        d.normal = fmax(d.normal, fabs(a->normal[k] - b->normal[k]));
+    }
+    d.color = fmax(d.color, fabs(a->alpha - b->alpha));
+    if (isfinite(a->z))
+        d.depth = fabs(a->z - b->z) / fmax(epsilon, 1e-6 * fabs(b->z));
+    return d;
+}
+
+/* Moves what rounding may move; twice with opposite signs takes it back. */
+static void disturb(struct stp_scene *scene, struct stp_camera *camera,
+                    struct stp_render_params *params, int variant, double step)
+{
+    double sign = variant & 1 ? -1 : 1;
+    double *center = variant < 2 ? &camera->cx : &camera->cy;
+    *center += sign * SHIFT;
+    camera->near_depth += fabs(camera->near_depth) * sign * 1e-6;
+    camera->far_depth *= 1 - sign * 1e-6;
+    params->epsilon *= 1 + sign * step;
+    for (unsigned i = 0; i < scene->object_count; i++)
+        scene->objects[i].epsilon *= 1 + sign * step;
+    for (size_t i = 0; variant >= 2 && i < scene->splats.count; i++)
+        scene->splats.radius[i] *= (float)(1 + sign * 1e-5);
+}
+
+static struct stp_image *reference_of(const struct stp_scene *scene, const struct stp_plan *plan,
+                                      int variant)
+{
+    struct stp_env env = { .threads = 2 };
+    struct stp_scene copy = *scene;
+    struct stp_camera camera = plan->camera;
+    struct stp_render_params params = plan->params;
+    struct stp_image *image = NULL;
+    struct scene_object objects[8];
+    float *radius = malloc(scene->splats.count * sizeof *radius);
+    assert_true(radius && scene->object_count <= 8);
+    memcpy(objects, scene->objects, scene->object_count * sizeof *objects);
+    memcpy(radius, scene->splats.radius, scene->splats.count * sizeof *radius);
+    copy.objects = objects;
+    copy.splats.radius = radius;
+    /* Quantised depths are off by half a step, and epsilon is 2^depth_bits of them. */
+    double step = 1e-5 + ldexp(1, 1 - (int)plan->frame.depth_bits);
+    if (variant >= 0)
+        disturb(&copy, &camera, &params, variant, step);
+    assert_int_equal(reference_render(&env, &copy, &camera, &params, &image), STP_OK);
+    free(radius);
+    return image;
+}
+
+static bool fragile(struct stp_image *const variant[VARIANTS], const struct pixel *truth, size_t at,
+                    double epsilon)
+{
+    for (int v = 0; v < VARIANTS; v++) {
+        struct pixel moved = pixel_at(variant[v], at);
+        struct distance d = distance(&moved, truth, epsilon);
+        if (d.color > JUMP || d.normal > JUMP || d.depth > JUMP)
+            return true;
+    }
+    return false;
+}
+
+static void judge_pixel(struct verdict *verdict, const struct pixel *seen,
+                        const struct pixel *truth, const struct tolerance *t, double epsilon,
+                        double *squares)
+{
+    struct distance d = distance(seen, truth, epsilon);
+    verdict->off += d.color > t->color || d.normal > t->normal || d.depth > t->depth;
+    verdict->worst_color = fmax(verdict->worst_color, d.color);
+    verdict->worst_normal = fmax(verdict->worst_normal, d.normal);
+    verdict->worst_depth = fmax(verdict->worst_depth, d.depth);
+    *squares += d.square;
+}
+
+struct verdict judge(const struct stp_scene *scene, const struct stp_plan *plan,
+                     const struct stp_image *image, const struct tolerance *tolerance)
+{
+    struct verdict verdict = { 0 };
+    struct stp_image *truth = reference_of(scene, plan, -1), *variant[VARIANTS];
+    double squares = 0, epsilon = plan->frame.epsilon;
+    for (int v = 0; v < VARIANTS; v++)
+        variant[v] = reference_of(scene, plan, v);
+    for (size_t at = 0; at < (size_t)image->width * image->height; at++) {
+        struct pixel seen = pixel_at(image, at), right = pixel_at(truth, at);
+        bool covered = isfinite(seen.z) || isfinite(right.z);
+        verdict.covered += covered;
+        if (fragile(variant, &right, at, epsilon))
+            verdict.fragile++;
+        else
+            judge_pixel(&verdict, &seen, &right, tolerance, epsilon, &squares);
+    }
+    verdict.psnr = squares > 0 ? -10 * log10(squares / fmax(1, (double)verdict.covered)) : INFINITY;
+    stp_image_destroy(&truth);
+    for (int v = 0; v < VARIANTS; v++)
+        stp_image_destroy(&variant[v]);
+    return verdict;
+}
+
+void expect_reference(struct device *device, const struct stp_scene *scene,
+                      const struct stp_camera *camera, const struct stp_render_params *params,
+                      const struct tolerance *tolerance, const char *what)
+{
+    struct stp_plan *plan = NULL;
+    if (device_plan(device, scene, camera, params, &plan) != STP_OK)
+        fail_msg("%s: no plan: %s", what, device->last);
+    struct stp_image *image = device_render_plan(device, scene, plan);
+    struct verdict v = judge(scene, plan, image, tolerance);
+    bool good = v.off == 0 && v.psnr >= tolerance->psnr &&
+                (double)v.fragile <= tolerance->fragile * (double)v.covered + 2;
+    if (!good || getenv("STP_TEST_VERDICTS"))
+        print_message("%s: %s by %s, %s: %zu covered, %zu fragile, %zu off, %.1f dB; worst colour "
+                      "%.3g, normal %.3g, depth %.3g\n",
+                      what, stp_method_name(plan->method), stp_path_name(plan->path),
+                      plan->payload == STP_PAYLOAD_PACKED ? "packed" : "ids", v.covered, v.fragile,
+                      v.off, v.psnr, v.worst_color, v.worst_normal, v.worst_depth);
+    stp_image_destroy(&image);
+    stp_plan_destroy(&plan);
+    assert_true(good);
+}
+
+void expect_same_bits(const struct stp_image *a, const struct stp_image *b, const char *what)
+{
+    assert_int_equal(a->channel_count, b->channel_count);
+    assert_int_equal(a->width, b->width);
+    assert_int_equal(a->height, b->height);
+    size_t count = (size_t)a->width * a->height;
+    for (unsigned i = 0; i < a->channel_count; i++) {
+        const struct stp_channel *c = &a->channels[i];
+        const struct stp_channel *d = stp_image_find(b, c->name);
+        assert_non_null(d);
+        if (strcmp(c->name, "id") == 0)
+            continue;
+        for (size_t at = 0; at < count; at++)
+            if (c->data.u[at] != d->data.u[at])
+                fail_msg("%s: %s differs at pixel %zu, %zu: %.9g and %.9g", what, c->name,
+                         at % a->width, at / a->width, c->data.f[at], d->data.f[at]);
+    }
+}
