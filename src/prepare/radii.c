@@ -11,7 +11,7 @@
 #define MONSTER_OF_MEDIAN  64.0
 #define MONSTER_OF_SPACING 8.0
 #define PLATE_OF_LOCAL     4.0
-#define PLATE_OF_ALL       32.0
+#define PLATE_OF_ALL       16.0
 #define SMALLEST           1e-18f /* its square is still a normal float32 */
 #define LARGEST            1e18f
 #define GRAIN              4096

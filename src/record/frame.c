@@ -1,6 +1,7 @@
 #include "record/record.h"
 
 #include "base/log.h"
+#include "base/thread.h"
 
 static enum stp_result make_resources(const struct stp_env *env, struct record_frame *frame)
 {
@@ -128,12 +129,36 @@ static enum stp_result make_descriptors(const struct stp_env *env, struct record
     return STP_OK;
 }
 
+struct making {
+    struct record_frame *frame;
+    enum stp_result result[PLAN_MAX_PASSES];
+};
+
+static void swallow(void *user, enum stp_log_level level, const char *line)
+{
+}
+
+/* Compiling is most of a cold start, and drivers do it well side by side. Workers stay silent:
+ * what fails is tried again by the caller's thread, which may log. */
+static void make_range(void *context, size_t begin, size_t end, unsigned worker)
+{
+    struct making *m = context;
+    const struct stp_env silent = { .log = swallow };
+    for (size_t i = begin; i < end; i++)
+        m->result[i] =
+            pass_pipeline(&silent, m->frame->context, m->frame->plan, &m->frame->plan->pass[i],
+                          &m->frame->resources, &m->frame->pipeline[i]);
+}
+
 static enum stp_result make_pipelines(const struct stp_env *env, struct record_frame *frame)
 {
+    struct making making = { .frame = frame };
+    parallel_for(env, frame->plan->pass_count, 1, make_range, &making);
     for (uint32_t i = 0; i < frame->plan->pass_count; i++) {
-        enum stp_result result =
-            pass_pipeline(env, frame->context, frame->plan, &frame->plan->pass[i],
-                          &frame->resources, &frame->pipeline[i]);
+        enum stp_result result = making.result[i];
+        if (result != STP_OK)
+            result = pass_pipeline(env, frame->context, frame->plan, &frame->plan->pass[i],
+                                   &frame->resources, &frame->pipeline[i]);
         if (result != STP_OK)
             return result;
     }

@@ -1,0 +1,164 @@
+#!/usr/bin/env python3
+"""Accuracy and speed of the methods on models of your own, as Markdown tables.
+
+  tools/bench.py accuracy FILE.ply...            errors against the float64 reference
+  tools/bench.py speed FILE.ply... [--peers DIR] times, interleaved over rounds; DIR may hold other
+                                                 programs, `em FILE OUT 1p1 SIZE FRAMES` and
+                                                 `sp FILE OUT SIZE FRAMES`, to run between ours
+
+The view is the one that point renderers are compared with here: the centre of the bounding box from
+direction (0.4, 0.3, 1), y up, 30 degrees, the largest |ndc| of a centre 0.95; 1024 x 1024, back
+faces culled, parabola kernel, no screen-space floor, epsilon the median radius. Input is binary
+little-endian PLY. docs/results/ was made with it.
+"""
+import argparse
+import json
+import math
+import os
+import re
+import statistics
+import struct
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
+SIZE = 1024
+VIEW = ["--size", f"{SIZE}x{SIZE}", "--cull", "back", "--min-splat", "0", "-q"]
+LETTERS = {"float": "f", "float32": "f", "double": "d", "float64": "d", "uchar": "B", "uint8": "B",
+           "int": "i", "int32": "i", "uint": "I", "ushort": "H", "short": "h"}
+ACCURACY = [
+    ["exact"], ["exact", "--payload", "id"], ["two-pass", "--path", "compute"],
+    ["two-pass", "--path", "raster"],
+    *[["deferred", "--overlap", c, "--voronoi", v] for c in ["1.0", "0.85", "0.8", "0.6", "0.4"]
+      for v in ["off", "slab", "exact"]],
+    ["deferred", "--overlap", "0.4", "--path", "raster"],
+]
+SPEED = [
+    ["exact"], ["exact", "--payload", "id"], ["deferred", "--overlap", "0.4"], ["deferred"],
+    ["deferred", "--overlap", "0.4", "--payload", "id"], ["two-pass", "--path", "compute"],
+    ["two-pass", "--path", "raster"], ["deferred", "--overlap", "0.4", "--path", "raster"],
+]
+
+
+def positions(path):
+    """The points of a binary little-endian PLY."""
+    with open(path, "rb") as file:
+        count, inside, names, letters = 0, False, [], "<"
+        while True:
+            words = file.readline().decode("ascii", "replace").split()
+            if words[0] == "element":
+                inside = words[1] == "vertex"
+                count = int(words[2]) if inside else count
+            elif words[0] == "property" and inside:
+                letters += LETTERS[words[1]]
+                names.append(words[2])
+            elif words[0] == "end_header":
+                break
+        record = struct.Struct(letters)
+        x, y, z = (names.index(name) for name in "xyz")
+        return [(r[x], r[y], r[z]) for r in record.iter_unpack(file.read(count * record.size))]
+
+
+def unit(v):
+    length = math.sqrt(sum(c * c for c in v))
+    return [c / length for c in v]
+
+
+def cross(a, b):
+    return [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
+
+
+def camera(path, out):
+    points = positions(path)
+    middle = [(min(c) + max(c)) / 2 for c in zip(*points)]
+    back = unit([0.4, 0.3, 1])
+    right = unit(cross([0, 1, 0], back))
+    axes = (right, cross(back, right), back)
+    edge, distance = 0.95 * math.tan(math.radians(15)), 0
+    for point in points:
+        d = [point[k] - middle[k] for k in range(3)]
+        x, y, z = (sum(d[k] * axis[k] for k in range(3)) for axis in axes)
+        distance = max(distance, abs(x) / edge + z, abs(y) / edge + z)
+    eye = [middle[k] + distance * back[k] for k in range(3)]
+    rows = [axis + [-sum(axis[k] * eye[k] for k in range(3))] for axis in axes]
+    with open(out, "w", encoding="ascii") as file:
+        json.dump({"world_to_camera": rows + [[0, 0, 0, 1]], "fov_y_deg": 30, "width": SIZE,
+                   "height": SIZE, "near": distance * 1e-3, "far": None}, file)
+
+
+def stipple(*arguments):
+    return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+def render(model, view, method, *more):
+    stipple("render", model, "--camera", view, *VIEW, "--method", *method, *more)
+
+
+def accuracy(models, folder):
+    print("| model | method | PSNR, dB | mean absolute | over 1/255 | coverage differs | normal, "
+          "degrees |\n|---|---|---:|---:|---:|---:|---:|")
+    for model in models:
+        view, truth, out = (os.path.join(folder, n) for n in ["view.json", "t.exr", "o.exr"])
+        camera(model, view)
+        render(model, view, ["reference"], "-o", truth)
+        for method in ACCURACY:
+            render(model, view, method, "-o", out)
+            error = json.loads(stipple("compare", "--json", out, truth))
+            covered = error["covered"]
+            print(f"| {os.path.basename(model)} | {' '.join(method)} | "
+                  f"{covered['psnr'] or math.inf:.1f} | {covered['mean_absolute']:.2e} | "
+                  f"{100 * covered['over_1_255']:.3f} % | {error['coverage_differs']} | "
+                  f"{error['normal_mean']:.4f} |", flush=True)
+
+
+def peer(program, model, folder):
+    mode = ["1p1"] if os.path.basename(program) == "em" else []
+    text = subprocess.run([program, model, os.path.join(folder, "p.pfm"), *mode, str(SIZE), "7"],
+                          check=True, capture_output=True, text=True).stdout
+    return float(re.search(r"median ([0-9.]+) ms", text).group(1))
+
+
+def frame(model, view, method, folder):
+    stats = os.path.join(folder, "s.json")
+    render(model, view, method, "--repeat", "7", "--stats", stats)
+    with open(stats, encoding="utf-8") as file:
+        return json.load(file)["frame_ms"]["median"]
+
+
+def speed(models, folder, peers, rounds):
+    print("| model | what | ms a frame, median | range over rounds | of two-pass raster |\n"
+          "|---|---|---:|---:|---:|")
+    for model in models:
+        view, times = os.path.join(folder, "view.json"), {}
+        camera(model, view)
+        for _ in range(rounds):
+            for name in ["em", "sp"] if peers else []:
+                times.setdefault(name, []).append(peer(os.path.join(peers, name), model, folder))
+            for method in SPEED:
+                times.setdefault(" ".join(method), []).append(frame(model, view, method, folder))
+        base = times["two-pass --path raster"]
+        for what, ms in times.items():
+            ratio = statistics.median(a / b for a, b in zip(ms, base))
+            print(f"| {os.path.basename(model)} | {what} | {statistics.median(ms):.1f} | "
+                  f"{min(ms):.1f} - {max(ms):.1f} | {ratio:.2f} |", flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["accuracy", "speed"])
+    parser.add_argument("models", nargs="+", metavar="FILE.ply")
+    parser.add_argument("--peers", metavar="DIR")
+    parser.add_argument("--rounds", type=int, default=5)
+    options = parser.parse_args()
+    with tempfile.TemporaryDirectory() as folder:
+        if options.what == "accuracy":
+            accuracy(options.models, folder)
+        else:
+            speed(options.models, folder, options.peers, options.rounds)
+
+
+if __name__ == "__main__":
+    sys.exit(main())
