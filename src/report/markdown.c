@@ -186,7 +186,7 @@ static void against_baseline(FILE *out, const struct report *report)
     unsigned slower = 0, contenders = 0;
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *row = &report->row[i];
-        if (row->is_reference || strcmp(row->method, "two-pass") == 0)
+        if (!report_contends(row) || strcmp(row->method, "two-pass") == 0)
             continue;
         contenders++;
         slower += row->ms.median >= base->ms.median;
@@ -204,7 +204,7 @@ static void against_baseline(FILE *out, const struct report *report)
           out);
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *row = &report->row[i];
-        if (row->is_reference || strcmp(row->method, "two-pass") == 0 ||
+        if (!report_contends(row) || strcmp(row->method, "two-pass") == 0 ||
             row->ms.median < base->ms.median)
             continue;
         fprintf(out, "| %s | %s |", report_row_name(row, name),

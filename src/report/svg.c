@@ -228,14 +228,14 @@ static void draw_line(const struct plot *plot, double line[][2], unsigned count)
 /* The front, and the fastest of every other method and path. */
 static bool is_named(const struct report *report, const struct report_row *row)
 {
-    if (row->is_reference || row->epsilon_scale != 1)
-        return !row->is_reference && row->on_front;
+    if (!report_contends(row))
+        return false;
     if (row->on_front)
         return true;
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *other = &report->row[i];
         if (strcmp(other->method, row->method) == 0 && strcmp(other->path, row->path) == 0 &&
-            other->epsilon_scale == 1 &&
+            report_contends(other) &&
             (other->on_front || other->ms.median < row->ms.median ||
              (other->ms.median == row->ms.median && other < row)))
             return false;
