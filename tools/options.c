@@ -152,8 +152,8 @@ const struct option_spec option_table[] = {
       "(default: auto)",
       value_choice, AT(render.payload), NULL, 0, 0, NULL },
     { NULL, PICTURE, "voronoi", 0, "auto|off|slab|exact",
-      "deferred: who wins where splats of one group overlap (default: auto, slab where the "
-      "overlap is below 1)",
+      "deferred: who wins where splats of one group overlap (default: auto, slab where "
+      "the overlap is below 1, else exact)",
       value_choice, AT(render.voronoi), NULL, 0, 0, NULL },
     { NULL, RENDER | PLAN | PREPARE, "overlap", 0, "C",
       "deferred: splats of one group may overlap as if shrunk by C; lower is faster and less "

@@ -19,7 +19,7 @@ enum stp_method {
 enum stp_path { STP_PATH_AUTO = 0, STP_PATH_RASTER, STP_PATH_COMPUTE };
 enum stp_payload { STP_PAYLOAD_AUTO = 0, STP_PAYLOAD_ID, STP_PAYLOAD_PACKED };
 enum stp_voronoi {
-    STP_VORONOI_DEFAULT = 0, /* slab where c < 1 */
+    STP_VORONOI_DEFAULT = 0, /* slab where c < 1; exact at c = 1 where the path is compute */
     STP_VORONOI_OFF,
     STP_VORONOI_SLAB,  /* ZP Eq. 10 */
     STP_VORONOI_EXACT, /* the smallest rho^2 within epsilon of the group's nearest; two passes */

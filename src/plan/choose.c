@@ -51,8 +51,11 @@ static enum stp_result choose_voronoi(const struct stp_env *env, struct stp_plan
         plan->voronoi = STP_VORONOI_OFF;
         return STP_OK;
     }
+    /* At c = 1 the seams of the slabs are most of the error that is left (docs/results). */
     if (voronoi == STP_VORONOI_DEFAULT)
-        voronoi = plan->facts.grouping.overlap < 1 ? STP_VORONOI_SLAB : STP_VORONOI_OFF;
+        voronoi = plan->facts.grouping.overlap < 1 || plan->path == STP_PATH_RASTER
+                      ? STP_VORONOI_SLAB
+                      : STP_VORONOI_EXACT;
     if (voronoi == STP_VORONOI_EXACT && plan->path == STP_PATH_RASTER)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "--voronoi exact needs the compute path; the rasteriser offers slab");
