@@ -38,7 +38,7 @@ const struct option_spec option_table[] = {
       "fewer configurations and rounds (default: all)",
       value_flag, AT(quick), NULL, 0, 0, NULL },
     { NULL, REPORT, "rounds", 0, "N",
-      "how often each configuration has its turn, for three timed frames each (default: 5, with "
+      "how often each configuration has its turn, for three timed frames each (default: 3, with "
       "--quick 2)",
       value_count, AT(rounds), "a whole number from 1 to 1000", 1, 1000, NULL },
     { NULL, RENDER, "preview", 0, "FILE.png",
