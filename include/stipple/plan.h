@@ -61,7 +61,8 @@ struct stp_render_params {
     enum stp_cull cull;
     double epsilon;   /* 0: each object's own */
     double min_splat; /* least diameter of a projected splat, pixels; 0: 1.5; negative: off */
-    unsigned samples; /* stratified samples a pixel; 0: 1 */
+    unsigned samples; /* stratified samples a pixel, at most 65536, rounded up to a square; 0: 1;
+                         raster paths have no more than 1 */
     unsigned aovs;    /* enum stp_aov, or-ed */
     const float *background; /* NULL: none (alpha 0), or linear RGBA composited behind */
     bool local_viewer;       /* half vectors from the point, not the axis */
