@@ -38,7 +38,7 @@ const struct option_spec option_table[] = {
       "fewer configurations and rounds (default: all)",
       value_flag, AT(quick), NULL, 0, 0, NULL },
     { NULL, REPORT, "rounds", 0, "N",
-      "how often each configuration has its turn, for three timed frames each (default: 5, with "
+      "how often each configuration has its turn, for three timed frames each (default: 3, with "
       "--quick 2)",
       value_count, AT(rounds), "a whole number from 1 to 1000", 1, 1000, NULL },
     { NULL, RENDER, "preview", 0, "FILE.png",
@@ -118,7 +118,8 @@ const struct option_spec option_table[] = {
       "alpha 0 where nothing is)",
       value_background, 0, "none, or R,G,B or R,G,B,A with A from 0 to 1", 0, 0, NULL },
     { NULL, PICTURE, "samples", 0, "N",
-      "stratified samples a pixel, for smooth edges (default: 1)",
+      "stratified samples a pixel, rounded up to a square number: smooth edges, and dense clouds "
+      "that do not flicker, at N times the time; not with --path raster (default: 1)",
       value_count, AT(render.samples), "a whole number from 1 to 4096", 1, 4096, NULL },
     { NULL, VIEW, "kernel", 0, "parabola|gauss",
       "the weight of a splat at rho from its centre: 1 - rho^2, or exp(-2 rho^2), both within "
@@ -152,8 +153,8 @@ const struct option_spec option_table[] = {
       "(default: auto)",
       value_choice, AT(render.payload), NULL, 0, 0, NULL },
     { NULL, PICTURE, "voronoi", 0, "auto|off|slab|exact",
-      "deferred: who wins where splats of one group overlap (default: auto, slab where the "
-      "overlap is below 1)",
+      "deferred: who wins where splats of one group overlap (default: auto, slab where "
+      "the overlap is below 1, else exact)",
       value_choice, AT(render.voronoi), NULL, 0, 0, NULL },
     { NULL, RENDER | PLAN | PREPARE, "overlap", 0, "C",
       "deferred: splats of one group may overlap as if shrunk by C; lower is faster and less "

@@ -23,9 +23,9 @@ static const struct command commands[] = {
         COMMAND_RENDER,
         "SCENE -o OUT.exr [options]",
         "a picture of a point file or a scene .json, as float EXR",
-        "SCENE is a point file (PLY, xyz text, OFF, OBJ; gzip of any) or a scene .json. Missing "
-        "normals and radii are estimated, the scene is framed, and a light at the eye is lit: no "
-        "option is needed. Lengths are in scene units, angles in degrees.",
+        "SCENE is a point file (PLY, LAS, PCD, xyz text, OFF, OBJ; gzip of any) or a scene .json. "
+        "Missing normals and radii are estimated, the scene is framed, and a light at the eye is "
+        "lit: no option is needed. Lengths are in scene units, angles in degrees.",
         "  stipple render scan.ply -o scan.exr\n"
         "  stipple render scan.ply -o scan.exr --preview scan.png --view -30,15 --samples 4\n"
         "  stipple render scan.ply -o f.%04d.exr --camera path.json --frames 0:99\n",

@@ -44,5 +44,10 @@ layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside pa
 layout(constant_id = 18) const bool ATOMIC64 = true;
 layout(constant_id = 19) const bool LAYERED = false;     // raster: gl_Layer from the vertex shader
 // constant_id 20 chooses the modules compiled WITH_FLOAT64
+layout(constant_id = 21) const uint SAMPLE_GRID = 1;     // the picture is the mean of SAMPLES
+const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
-layout(push_constant) uniform Push { uint push_layer; uint push_first; };
+// Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
+const uint ID_WORDS = SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS;
+
+layout(push_constant) uniform Push { uint push_layer; uint push_first; uint push_sample; };

@@ -1,6 +1,7 @@
 #ifndef PIXEL_GLSL
 #define PIXEL_GLSL
 // Where a pixel's data lives: blocks of 8 x 8, row-major within the tile.
+#include "lib/sample.glsl"
 
 uint pixel_index(uvec2 p) // p relative to the tile
 {
@@ -24,10 +25,11 @@ bool block_pixel(uint b, uint i, out uvec2 p)
     return p.x < frame.tile_width && p.y < frame.tile_height;
 }
 
-// Offset of the pixel's centre, in the whole picture.
-vec2 pixel_center(uvec2 p)
+// The pixel's sample, in the whole picture.
+vec2 pixel_position(uvec2 p)
 {
-    return vec2(p + uvec2(frame.tile_x, frame.tile_y)) + 0.5;
+    uvec2 at = p + uvec2(frame.tile_x, frame.tile_y);
+    return vec2(at) + sample_part(at);
 }
 
 // Workgroups come in rows. Both halves of a dispatch run at once on a CPU device: neighbours in

@@ -57,9 +57,20 @@ vec3 world_normal(vec3 n)
                 r[2] * n.x + r[5] * n.y + r[8] * n.z);
 }
 
-// Writes the pixel at p (relative to the tile). hit false: nothing is there.
+// One more sample that hit. Alpha holds the hits exactly: a wholly covered pixel ends at 1.
+vec4 sample_add(vec4 mean, vec3 color, out uint hits)
+{
+    hits = uint(mean.w * float(SAMPLES) + 0.5) + 1;
+    float alpha = hits == SAMPLES ? 1 : float(hits) / float(SAMPLES);
+    return vec4(mean.xyz + color / float(SAMPLES), alpha);
+}
+
+// Writes the pixel at p (relative to the tile). hit false: nothing is there. With several samples
+// the picture starts cleared; colours add up, and the rest is that of the nearest sample.
 void surface_write(uvec2 p, bool hit, Surface s)
 {
+    if (SAMPLE_GRID > 1 && !hit)
+        return;
     uint at = p.y * frame.tile_width + p.x;
     bool vanished = !(s.weight >= 1e-6 && dot(s.normal, s.normal) >= 1e-12);
     vec3 n = vanished ? s.near_normal : s.normal * inversesqrt(dot(s.normal, s.normal));
@@ -70,17 +81,26 @@ void surface_write(uvec2 p, bool hit, Surface s)
     vec3 albedo = m.albedo;
     if (HAS_COLOR)
         albedo = vanished ? frame.colors.v[hit ? s.id : 0] : s.albedo / s.weight;
-    vec4 color = vec4(shade(m, albedo, n, pixel_center(p), depth), 1);
+    vec4 color = vec4(shade(m, albedo, n, pixel_position(p), depth), 1);
     if (BACKGROUND && !hit)
         color = vec4(frame.background[0], frame.background[1], frame.background[2],
                      frame.background[3]);
+    uint hits = 1;
+    if (SAMPLE_GRID > 1)
+        color = sample_add(frame.out_color.v[at], color.xyz, hits);
     frame.out_color.v[at] = hit || BACKGROUND ? color : vec4(0);
+    if (SAMPLE_GRID > 1 && (AOVS & 2) != 0)
+        frame.out_id.v[ID_WORDS * at + 3] = hits;
+    if (SAMPLE_GRID > 1 && depth >= frame.out_depth.v[at])
+        return;
     frame.out_normal.v[at] = hit ? world_normal(n) : vec3(0);
     frame.out_depth.v[at] = hit ? depth : 1.0 / 0.0;
     if ((AOVS & 1) != 0)
         frame.out_albedo.v[at] = hit ? vec4(albedo, s.weight) : vec4(0);
     if ((AOVS & 2) != 0) {
-        frame.out_id.v[2 * at] = hit ? s.id : STP_NO_ID;
-        frame.out_id.v[2 * at + 1] = hit ? s.fragments : 0;
+        frame.out_id.v[ID_WORDS * at] = hit ? s.id : STP_NO_ID;
+        frame.out_id.v[ID_WORDS * at + 1] = hit ? s.fragments : 0;
+        if (SAMPLE_GRID > 1)
+            frame.out_id.v[ID_WORDS * at + 2] = push_sample;
     }
 }

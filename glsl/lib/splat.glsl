@@ -1,5 +1,7 @@
 // A splat on the screen (docs/numerics.md). Camera frame: x right, y down, z forward.
 
+#include "lib/sample.glsl"
+
 // A point of the picture: whole pixels and a fraction, so that offsets keep their precision.
 struct Place {
     ivec2 whole;
@@ -39,10 +41,10 @@ vec2 place_position(Place p)
     return vec2(p.whole) + p.part;
 }
 
-// From the place to the centre of a pixel of the whole picture.
+// From the place to the sample of a pixel of the whole picture.
 vec2 place_offset(Place p, uvec2 pixel)
 {
-    return vec2(ivec2(pixel) - p.whole) + (0.5 - p.part);
+    return vec2(ivec2(pixel) - p.whole) + (sample_part(pixel) - p.part);
 }
 
 // Camera frame and projection of the centre, in double where the device can: a pixel on an outline
@@ -171,7 +173,7 @@ Footprint footprint_make(Splat s, out bool floored)
     return f;
 }
 
-// False: the pixel's ray misses. d: pixel centre minus the projected centre.
+// False: the pixel's ray misses. d: sample minus the projected centre.
 bool footprint_hit(Footprint f, vec2 d, out Fragment fragment)
 {
     float den = f.g + f.ab.x * d.x + f.ab.y * d.y;
@@ -201,7 +203,7 @@ float depth_ordered(uint order)
 bool clipped_hit(Splat s, uvec2 pixel, out Fragment fragment)
 {
     vec2 c = vec2(frame.center[0], frame.center[1]);
-    vec3 ray = vec3((vec2(pixel) + 0.5 - c) * vec2(frame.inv_focal[0], frame.inv_focal[1]), 1);
+    vec3 ray = vec3((vec2(pixel) + sample_part(pixel) - c) * vec2(frame.inv_focal[0], frame.inv_focal[1]), 1);
     fragment.depth = dot(s.normal, s.center) / dot(s.normal, ray);
     vec3 v = (fragment.depth * ray - s.center) / s.radius;
     fragment.rho2 = dot(v, v);
@@ -258,9 +260,12 @@ vec4 footprint_extent(Splat s, Footprint f, bool floored)
     return vec4(focal * (mid - reach), focal * (mid + reach));
 }
 
-// Pixel rectangle [xy, zw] within the tile, a thousandth of a pixel wider than the outline.
+// Pixel rectangle [xy, zw] within the tile, a thousandth of a pixel wider than the outline. Samples
+// may lie anywhere in a pixel.
 ivec4 pixels_of(vec4 box)
 {
+    if (SAMPLE_GRID > 1)
+        box += vec4(-0.5, -0.5, 0.5, 0.5);
     vec2 low = vec2(frame.tile_x, frame.tile_y);
     vec2 high = low + vec2(frame.tile_width, frame.tile_height) - 1;
     vec2 from = max(ceil(box.xy - 0.5 - 1e-3), low), to = min(floor(box.zw - 0.5 + 1e-3), high);

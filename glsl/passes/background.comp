@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The background where nothing is.
+// The background where nothing is; with samples behind what does not cover the whole pixel.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #define ALL_BLOCKS
@@ -13,7 +13,10 @@ void main()
     if (!resolve_pixel(p, pixel))
         return;
     uint at = p.y * frame.tile_width + p.x;
-    if (isinf(frame.out_depth.v[at]))
-        frame.out_color.v[at] = vec4(frame.background[0], frame.background[1], frame.background[2],
-                                     frame.background[3]);
+    vec4 background = vec4(frame.background[0], frame.background[1], frame.background[2],
+                           frame.background[3]);
+    if (SAMPLE_GRID > 1)
+        frame.out_color.v[at] += (1 - frame.out_color.v[at].w) * background;
+    else if (isinf(frame.out_depth.v[at]))
+        frame.out_color.v[at] = background;
 }

@@ -51,8 +51,9 @@ void main()
     Footprint f = footprint_make(s, floored);
     vec2 turn = vec2(corner == 0 ? 1.0 : -0.5, corner == 0 ? 0 : corner == 1 ? 0.8660254 : -0.8660254);
     gl_Position = floored ? ellipse_vertex(f, turn) : disc_vertex(s, turn);
+    // No area, and inside: a vertex outside would send its whole batch through the clipper.
     if (!seen)
-        gl_Position = vec4(-2, -2, 0, 1);
+        gl_Position = vec4(0, 0, 0.5, 1);
 #ifdef LAYERS
     gl_Layer = int(splat_group(s));
 #endif

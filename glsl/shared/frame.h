@@ -33,6 +33,7 @@
 #define STP_SUM_WORDS    10    /* 64-bit words of a pixel's fixed-point sums */
 #define STP_LIGHTS       8
 #define STP_NO_ID        0xffffffffu
+#define STP_ID_WORDS     4     /* of out_id a pixel, with several samples; else 2 */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
 #define STP_SUMS_NONE    0x7f8000007ffffffful
@@ -78,7 +79,7 @@ struct stp_frame_constants {
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
     STP_ADDRESS(Vec4Ref, out_albedo); /* rgb, sum of weights */
-    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments */
+    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; then the nearest sample, hits */
     STP_DOUBLE rotation64[9]; /* WITH_FLOAT64: centres are projected in double */
     STP_DOUBLE translation64[3];
     STP_DOUBLE focal64[2];

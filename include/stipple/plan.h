@@ -19,7 +19,7 @@ enum stp_method {
 enum stp_path { STP_PATH_AUTO = 0, STP_PATH_RASTER, STP_PATH_COMPUTE };
 enum stp_payload { STP_PAYLOAD_AUTO = 0, STP_PAYLOAD_ID, STP_PAYLOAD_PACKED };
 enum stp_voronoi {
-    STP_VORONOI_DEFAULT = 0, /* slab where c < 1 */
+    STP_VORONOI_DEFAULT = 0, /* slab where c < 1; exact at c = 1 where the path is compute */
     STP_VORONOI_OFF,
     STP_VORONOI_SLAB,  /* ZP Eq. 10 */
     STP_VORONOI_EXACT, /* the smallest rho^2 within epsilon of the group's nearest; two passes */
@@ -61,7 +61,8 @@ struct stp_render_params {
     enum stp_cull cull;
     double epsilon;   /* 0: each object's own */
     double min_splat; /* least diameter of a projected splat, pixels; 0: 1.5; negative: off */
-    unsigned samples; /* stratified samples a pixel; 0: 1 */
+    unsigned samples; /* stratified samples a pixel, at most 65536, rounded up to a square; 0: 1;
+                         raster paths have no more than 1 */
     unsigned aovs;    /* enum stp_aov, or-ed */
     const float *background; /* NULL: none (alpha 0), or linear RGBA composited behind */
     bool local_viewer;       /* half vectors from the point, not the axis */

@@ -29,7 +29,7 @@ STP_API void stp_context_destroy(struct stp_context **context);
 #define STP_MAX_PASSES 72
 struct stp_pass_time {
     char name[48];
-    double milliseconds; /* median over the frames, summed over tiles */
+    double milliseconds; /* median over the frames, summed over tiles and samples */
 };
 struct stp_render_stats {
     double upload_ms, first_frame_ms, read_back_ms;

@@ -13,7 +13,7 @@ struct stp_report_params {
                                         voronoi are swept, samples and aovs are not used */
     struct stp_group_params group;   /* relax and max_groups; overlap is swept */
     unsigned rounds;                 /* visits to each configuration, three timed frames each;
-                                        0: 5, or 2 when quick */
+                                        0: 3, or 2 when quick */
     bool quick;                      /* fewer configurations and rounds */
     double exposure;                 /* stops, before FLIP */
     const char *title;               /* of the scene; NULL: "scene" */

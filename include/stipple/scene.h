@@ -62,8 +62,8 @@ struct stp_load_params {
     float opacity;
 };
 
-/* Reads a point file (PLY, text, OFF, OBJ; gzip of any) or a scene .json (docs/scene.md). The
- * format is found from the content, not from the name. */
+/* Reads a point file (PLY, LAS, PCD, text, OFF, OBJ; gzip of any) or a scene .json (docs/scene.md).
+ * The format is found from the content, not from the name. */
 STP_API enum stp_result stp_scene_load(const struct stp_env *env, const char *path,
                                        const struct stp_load_params *params,
                                        struct stp_scene **scene);

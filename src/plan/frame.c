@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/vec.h"
+#include "reference/samples.h"
 #include "scene/scene.h"
 
 static void transform(struct stp_plan *plan)
@@ -133,8 +134,13 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     c[PLAN_HEAD_LIGHT] = !lit || (scene->light_count == 1 && is_head_light(&scene->lights[0]));
     c[PLAN_LOCAL_VIEWER] = lit && p->local_viewer;
     c[PLAN_BACKGROUND] = p->background != NULL;
+    c[PLAN_SAMPLE_GRID] = sample_grid(p->samples);
+    /* Of several samples, P is at the nearest, and a background hides from alpha how many hit. */
+    unsigned ids = STP_AOV_ID | STP_AOV_FRAGMENTS;
+    if (c[PLAN_SAMPLE_GRID] > 1)
+        ids |= STP_AOV_POSITION | STP_AOV_COVERAGE;
     c[PLAN_AOVS] = ((p->aovs & (STP_AOV_ALBEDO | STP_AOV_WEIGHT)) != 0 ? 1u : 0u) |
-                   ((p->aovs & (STP_AOV_ID | STP_AOV_FRAGMENTS)) != 0 ? 2u : 0u);
+                   ((p->aovs & ids) != 0 ? 2u : 0u);
     c[PLAN_SQUARINGS] = squarings(scene);
 }
 

@@ -4,8 +4,10 @@
 #include "base/memory.h"
 #include "scene/scene.h"
 
+#define MOST_SAMPLES 65536 /* as of the reference */
+
 static enum stp_result check(const struct stp_env *env, const struct stp_scene *scene,
-                             const struct stp_camera *camera)
+                             const struct stp_camera *camera, unsigned samples)
 {
     if (!scene->prepared || scene->splats.count == 0)
         return log_error(env, STP_ERROR_ARGUMENT, "a plan needs a prepared scene with splats");
@@ -17,6 +19,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
         (!camera->orthographic && !(camera->near_depth > 0)))
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the camera needs positive focal lengths and 0 < near < far");
+    if (samples > MOST_SAMPLES)
+        return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", samples,
+                         MOST_SAMPLES);
     if (scene->splats.count > UINT32_MAX - 64)
         return log_error(env, STP_ERROR_ARGUMENT, "%zu splats are more than 32 bits can count",
                          scene->splats.count);
@@ -40,9 +45,6 @@ static enum stp_result fill(const struct stp_env *env, struct stp_plan *plan,
     enum stp_result result = plan_choose(env, plan);
     if (result != STP_OK || plan->method == STP_METHOD_REFERENCE)
         return result;
-    if (plan->params.samples > 1)
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "more than one sample a pixel is for the reference method so far");
     if (plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED)
         group_ranges(plan, scene);
     return plan_tiles(env, plan);
@@ -53,7 +55,7 @@ enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scen
                                 const struct stp_render_params *params,
                                 const struct stp_limits *limits, struct stp_plan **plan)
 {
-    enum stp_result result = check(env, scene, camera);
+    enum stp_result result = check(env, scene, camera, params->samples);
     if (result != STP_OK)
         return result;
     struct stp_plan *made = mem_zalloc(1, sizeof *made);

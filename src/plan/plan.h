@@ -36,6 +36,7 @@ enum plan_constant {
     PLAN_ATOMIC64,
     PLAN_LAYERED,
     PLAN_FLOAT64,
+    PLAN_SAMPLE_GRID,
     PLAN_CONSTANTS
 };
 
@@ -188,6 +189,8 @@ struct stp_plan {
     uint32_t resource_count, pass_count, tile_count;
     struct plan_resource resource[PLAN_MAX_RESOURCES];
     struct plan_pass pass[PLAN_MAX_PASSES];
+    /* Passes [repeat_first, repeat_end) are run once a sample, in order. */
+    uint32_t repeat_first, repeat_end;
     uint32_t tile_width, tile_height; /* the largest */
     struct plan_tile *tile;
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
@@ -227,6 +230,9 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
 
 /* plan/tile.c: cuts the picture until a tile's transients fit; appends steps for the tile size. */
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
+
+/* How many samples a pixel has: the square of PLAN_SAMPLE_GRID. */
+uint32_t plan_samples(const struct stp_plan *plan);
 
 uint64_t plan_bytes(const struct stp_plan *plan, enum plan_lifetime lifetime);
 

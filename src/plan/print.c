@@ -10,10 +10,10 @@ static const char *const format_names[] = {
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {
-    "groups",       "voronoi",      "packed",  "gauss",     "two_sided",       "cull_back",
-    "floor",        "orthographic", "color",   "objects",   "unknown_normals", "head_light",
-    "local_viewer", "background",   "aovs",    "squarings", "repair",          "slot_ids",
-    "atomic64",     "layered",      "float64",
+    "groups",       "voronoi",      "packed",  "gauss",       "two_sided",       "cull_back",
+    "floor",        "orthographic", "color",   "objects",     "unknown_normals", "head_light",
+    "local_viewer", "background",   "aovs",    "squarings",   "repair",          "slot_ids",
+    "atomic64",     "layered",      "float64", "sample_grid",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)
@@ -43,7 +43,12 @@ static void print_accesses(FILE *out, const struct stp_plan *plan, const struct 
 static void print_passes(FILE *out, const struct stp_plan *plan)
 {
     static const char *const kinds[] = { "fill", "reset", "dispatch", "dispatch*", "draw" };
+    bool repeats = plan_samples(plan) > 1;
     for (uint32_t i = 0; i < plan->pass_count; i++) {
+        if (repeats && i == plan->repeat_first)
+            fprintf(out, " for each of %u samples:\n", plan_samples(plan));
+        if (repeats && i == plan->repeat_end)
+            fprintf(out, " then:\n");
         const struct plan_pass *pass = &plan->pass[i];
         fprintf(out, "  %-9s %-20s", kinds[pass->kind], pass->name);
         print_accesses(out, plan, pass, PLAN_READ, " reads ");
@@ -56,6 +61,9 @@ static void print(FILE *out, const struct stp_plan *plan)
 {
     fprintf(out, "method %s, path %s, %zu splats, %u x %u pixels\n", stp_method_name(plan->method),
             stp_path_name(plan->path), plan->facts.splats, plan->camera.width, plan->camera.height);
+    if (plan_samples(plan) > 1)
+        fprintf(out, "samples: %u a pixel, %u x %u\n", plan_samples(plan),
+                plan->constant[PLAN_SAMPLE_GRID], plan->constant[PLAN_SAMPLE_GRID]);
     fprintf(out, "why: %s\n", plan->why);
     if (plan->method == STP_METHOD_REFERENCE)
         return;

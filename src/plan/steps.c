@@ -96,6 +96,11 @@ static uint32_t blocks(uint32_t pixels)
     return (pixels + STP_BLOCK - 1) / STP_BLOCK;
 }
 
+uint32_t plan_samples(const struct stp_plan *plan)
+{
+    return plan->constant[PLAN_SAMPLE_GRID] * plan->constant[PLAN_SAMPLE_GRID];
+}
+
 uint64_t plan_pixels(const struct stp_plan *plan)
 {
     return (uint64_t)blocks(plan->tile_width) * blocks(plan->tile_height) * STP_BLOCK * STP_BLOCK;
@@ -169,5 +174,8 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
     plan_updates(plan, pass, PLAN_WORK);
     updates_all(plan, pass, read);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
-        plan_writes(plan, pass, slot);
+        if (plan_samples(plan) > 1)
+            plan_updates(plan, pass, slot);
+        else
+            plan_writes(plan, pass, slot);
 }

@@ -34,7 +34,8 @@ static void outputs(struct stp_plan *plan)
     if (plan->constant[PLAN_AOVS] & 1)
         plan_resource(plan, "albedo", PLAN_OUT_ALBEDO, PLAN_OUTPUT, pixels * 16);
     if (plan->constant[PLAN_AOVS] & 2)
-        plan_resource(plan, "id", PLAN_OUT_ID, PLAN_OUTPUT, pixels * 8);
+        plan_resource(plan, "id", PLAN_OUT_ID, PLAN_OUTPUT,
+                      pixels * 4 * (plan_samples(plan) > 1 ? STP_ID_WORDS : 2));
 }
 
 static void scene_resources(struct stp_plan *plan)
@@ -63,9 +64,12 @@ static void compute_resources(struct stp_plan *plan)
     plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + 2 * blocks) * 4);
     uint64_t lists = plan->method == STP_METHOD_EXACT ? 2 : 1; /* large, and to repair */
     plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, plan->facts.splats * 4 * lists);
+}
+
+static void reset_arguments(struct stp_plan *plan)
+{
     struct plan_pass *pass = plan_pass(plan, PLAN_ARGUMENTS, "reset arguments");
     plan_writes(plan, pass, PLAN_WORK);
-    clear_outputs(plan);
 }
 
 static void eye_dome(struct stp_plan *plan)
@@ -78,7 +82,7 @@ static void eye_dome(struct stp_plan *plan)
     plan_updates(plan, pass, PLAN_OUT_COLOR);
 }
 
-/* A background must also stand where no block was touched. */
+/* Behind all else, and also where no block was touched. */
 static void background(struct stp_plan *plan)
 {
     if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE)
@@ -86,7 +90,7 @@ static void background(struct stp_plan *plan)
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
     plan_reads(plan, pass, PLAN_OUT_DEPTH);
-    plan_writes(plan, pass, PLAN_OUT_COLOR);
+    plan_updates(plan, pass, PLAN_OUT_COLOR);
 }
 
 static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
@@ -96,16 +100,23 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     plan->resource_count = plan->pass_count = 0;
     scene_resources(plan);
     outputs(plan);
-    if (plan->path == STP_PATH_COMPUTE)
+    bool compute = plan->path == STP_PATH_COMPUTE;
+    if (compute) {
         compute_resources(plan);
+        clear_outputs(plan);
+    }
+    plan->repeat_first = plan->pass_count;
+    if (compute)
+        reset_arguments(plan);
     if (plan->method == STP_METHOD_DEFERRED)
         plan_deferred(plan);
     else if (plan->method == STP_METHOD_EXACT)
         plan_exact(plan);
     else
         plan_twopass(plan);
-    background(plan);
+    plan->repeat_end = plan->pass_count;
     eye_dome(plan);
+    background(plan);
 }
 
 static uint64_t largest(const struct stp_plan *plan)

@@ -60,7 +60,7 @@ static VkResult make_layouts(struct record_frame *frame, uint32_t images, const 
         c->vk.vkCreateDescriptorSetLayout(c->device, &set, NULL, &frame->resources.set_layout);
     if (result != VK_SUCCESS)
         return result;
-    VkPushConstantRange push = { stages, 0, 8 };
+    VkPushConstantRange push = { stages, 0, RECORD_PUSH_SAMPLE + 4 };
     VkPipelineLayoutCreateInfo layout = { .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                           .setLayoutCount = 1,
                                           .pSetLayouts = &frame->resources.set_layout,
@@ -177,7 +177,7 @@ enum stp_result record_frame_create(const struct stp_env *env, struct stp_contex
     if (result == STP_OK && context->timestamp_ms > 0) {
         VkQueryPoolCreateInfo info = { .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
                                        .queryType = VK_QUERY_TYPE_TIMESTAMP,
-                                       .queryCount = plan->pass_count + 1 };
+                                       .queryCount = RECORD_MAX_STEPS + 1 };
         VkResult status =
             context->vk.vkCreateQueryPool(context->device, &info, NULL, &frame->queries);
         if (status != VK_SUCCESS)

@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/vec.h"
+#include "reference/samples.h"
 #include "scene/scene.h"
 
 static enum stp_result add_planes(struct stp_image *image, const char *const *names, bool half)
@@ -71,6 +72,8 @@ struct copying {
     const struct stp_scene *scene;
     const float *color, *normal, *depth, *albedo;
     const uint32_t *id;
+    size_t id_words; /* a pixel */
+    unsigned grid;   /* samples a side */
     float *rgba[4], *n[3], *z, *alb[3], *p[3], *weight, *fragments, *coverage, *layers;
     uint32_t *ids;
 };
@@ -112,11 +115,14 @@ static void find_planes(struct copying *c, const struct stp_image *image)
     c->ids = ids ? ids->data.u : NULL;
 }
 
-/* The point at depth z on the pixel's ray, relative to the origin; in double. */
-static void position_of(const struct copying *c, uint32_t x, uint32_t y, double z, size_t at)
+/* The point at depth z on the ray of the pixel's sample, relative to the origin; in double. */
+static void position_of(const struct copying *c, uint32_t x, uint32_t y, uint32_t sample, double z,
+                        size_t at)
 {
     const struct stp_camera *camera = &c->plan->camera;
-    double dx = (x + 0.5 - camera->cx) / camera->fx, dy = -(y + 0.5 - camera->cy) / camera->fy;
+    double px, py;
+    sample_position(c->grid, x, y, sample, &px, &py);
+    double dx = (px - camera->cx) / camera->fx, dy = -(py - camera->cy) / camera->fy;
     double scale = camera->orthographic ? 1 : z;
     const double *m = camera->world_to_camera;
     struct vec3 e =
@@ -128,7 +134,8 @@ static void position_of(const struct copying *c, uint32_t x, uint32_t y, double 
 
 static void copy_pixel(const struct copying *c, size_t from, size_t at, uint32_t x, uint32_t y)
 {
-    bool hit = isfinite(c->depth[from]);
+    bool hit = isfinite(c->depth[from]), many = c->grid > 1;
+    const uint32_t *id = c->id ? c->id + c->id_words * from : NULL; /* frame.h says of what */
     for (int k = 0; k < 4; k++)
         c->rgba[k][at] = c->color[4 * from + (size_t)k];
     for (int k = 0; k < 3; k++) {
@@ -138,17 +145,17 @@ static void copy_pixel(const struct copying *c, size_t from, size_t at, uint32_t
     }
     c->z[at] = c->depth[from];
     if (c->p[0])
-        position_of(c, x, y, c->depth[from], at);
+        position_of(c, x, y, many ? id[2] : 0, c->depth[from], at);
     if (c->weight)
         c->weight[at] = c->albedo[4 * from + 3];
     if (c->fragments)
-        c->fragments[at] = hit ? (float)c->id[2 * from + 1] : 0;
+        c->fragments[at] = hit ? (float)id[1] : 0;
     if (c->coverage)
-        c->coverage[at] = hit;
+        c->coverage[at] = hit && many ? (float)((double)id[3] / plan_samples(c->plan)) : hit;
     if (c->layers)
         c->layers[at] = hit;
     if (c->ids)
-        c->ids[at] = hit ? c->scene->splats.input[c->id[2 * from]] : STP_NO_ID;
+        c->ids[at] = hit ? c->scene->splats.input[id[0]] : STP_NO_ID;
 }
 
 static void invalidate(struct record_frame *frame)
@@ -175,7 +182,9 @@ void record_read_back(struct record_frame *frame, const struct stp_scene *scene,
                          .normal = output(frame, PLAN_OUT_NORMAL),
                          .depth = output(frame, PLAN_OUT_DEPTH),
                          .albedo = output(frame, PLAN_OUT_ALBEDO),
-                         .id = output(frame, PLAN_OUT_ID) };
+                         .id = output(frame, PLAN_OUT_ID),
+                         .grid = frame->plan->constant[PLAN_SAMPLE_GRID] };
+    c.id_words = c.grid > 1 ? STP_ID_WORDS : 2;
     invalidate(frame);
     find_planes(&c, image);
     for (uint32_t y = tile->keep[1]; y < tile->keep[3]; y++)

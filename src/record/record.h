@@ -13,7 +13,7 @@ struct record_frame {
     struct pass_resources resources;
     VkPipeline pipeline[PLAN_MAX_PASSES];
     struct gpu_buffer read_back[PLAN_MAX_RESOURCES]; /* of outputs that are not mapped */
-    VkQueryPool queries;                             /* one more than passes; may be null */
+    VkQueryPool queries;                             /* RECORD_MAX_STEPS + 1; may be null */
 };
 
 /* frame.c */
@@ -25,12 +25,29 @@ void record_frame_destroy(struct record_frame *frame);
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
                               const struct stp_scene *scene);
 
-/* walk.c: records one tile; nothing is allocated, submitted or waited for. timed: a full barrier
- * and a timestamp after every pass. skip_barrier: leaves out the barrier before that pass (tests
- * prove with it that validation sees). */
-#define RECORD_NO_PASS UINT32_MAX
+/* walk.c: a tile is recorded in parts of at most RECORD_SAMPLES samples, so that no submission
+ * grows with their number. The steps of a part are passes in the order of execution: those before
+ * the repeated ones in the first part, the repeated ones once a sample, those after in the last. */
+#define RECORD_SAMPLES   16
+#define RECORD_MAX_STEPS (PLAN_MAX_PASSES * RECORD_SAMPLES)
+struct record_steps {
+    const struct stp_plan *plan;
+    uint32_t count, before, repeated;
+    uint32_t first_sample;
+    bool last; /* outputs are handed to the host after it */
+};
+uint32_t record_parts(const struct stp_plan *plan);
+struct record_steps record_steps(const struct stp_plan *plan, uint32_t part);
+/* The pass of step i, and the sample it is for. */
+uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sample);
+
+/* walk.c: records one part of one tile; nothing is allocated, submitted or waited for. timed: a
+ * full barrier and a timestamp after every step. skip_barrier: leaves out the barrier before that
+ * pass (tests prove with it that validation sees). */
+#define RECORD_NO_PASS     UINT32_MAX
+#define RECORD_PUSH_SAMPLE 8 /* offset of the sample's index in the push constants */
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
-                 bool timed, uint32_t skip_barrier);
+                 uint32_t part, bool timed, uint32_t skip_barrier);
 
 /* picture.c: outputs of one tile into the picture. */
 enum stp_result record_picture(const struct stp_env *env, const struct stp_scene *scene,

@@ -28,14 +28,46 @@ static double median(double *values, unsigned count)
     return count % 2 ? values[count / 2] : (values[count / 2 - 1] + values[count / 2]) / 2;
 }
 
-static enum stp_result run_tile(const struct stp_env *env, struct record_frame *frame,
-                                const struct plan_tile *tile, bool timed)
+static enum stp_result run_part(const struct stp_env *env, struct record_frame *frame,
+                                const struct plan_tile *tile, uint32_t part, bool timed)
 {
     enum stp_result result = gpu_begin(env, frame->context);
     if (result != STP_OK)
         return result;
-    record_walk(frame, frame->context->commands, tile, timed, RECORD_NO_PASS);
+    record_walk(frame, frame->context->commands, tile, part, timed, RECORD_NO_PASS);
     return gpu_submit_and_wait(env, frame->context);
+}
+
+static enum stp_result add_timestamps(const struct stp_env *env, struct record_frame *frame,
+                                      uint32_t part, double *ms)
+{
+    struct stp_context *c = frame->context;
+    struct record_steps steps = record_steps(frame->plan, part);
+    uint64_t ticks[RECORD_MAX_STEPS + 1];
+    VkResult status = c->vk.vkGetQueryPoolResults(
+        c->device, frame->queries, 0, steps.count + 1, sizeof ticks, ticks, sizeof *ticks,
+        VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
+    if (status != VK_SUCCESS)
+        return gpu_error(env, status, "vkGetQueryPoolResults");
+    for (uint32_t i = 0; i < steps.count; i++) {
+        uint32_t sample, pass = record_step(&steps, i, &sample);
+        ms[pass] += (double)(ticks[i + 1] - ticks[i]) * c->timestamp_ms;
+    }
+    return STP_OK;
+}
+
+/* All parts of a tile; adds the passes' times where pass_ms is not NULL. */
+static enum stp_result run_tile(const struct stp_env *env, struct record_frame *frame,
+                                const struct plan_tile *tile, double *pass_ms)
+{
+    uint32_t parts = record_parts(frame->plan);
+    enum stp_result result = STP_OK;
+    for (uint32_t part = 0; result == STP_OK && part < parts; part++) {
+        result = run_part(env, frame, tile, part, pass_ms != NULL);
+        if (result == STP_OK && pass_ms)
+            result = add_timestamps(env, frame, part, pass_ms);
+    }
+    return result;
 }
 
 enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
@@ -46,7 +78,7 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
     *ms = *read_back_ms = 0;
     for (uint32_t i = 0; i < plan->tile_count; i++) {
         double start = now_ms();
-        enum stp_result result = run_tile(env, frame, &plan->tile[i], false);
+        enum stp_result result = run_tile(env, frame, &plan->tile[i], NULL);
         if (result != STP_OK)
             return result;
         double end = now_ms();
@@ -57,22 +89,6 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
             log_progress(env, "render", (i + 1.0) / plan->tile_count);
         }
     }
-    return STP_OK;
-}
-
-static enum stp_result add_timestamps(const struct stp_env *env, struct record_frame *frame,
-                                      double *ms)
-{
-    struct stp_context *c = frame->context;
-    uint64_t ticks[PLAN_MAX_PASSES + 1];
-    uint32_t count = frame->plan->pass_count;
-    VkResult status = c->vk.vkGetQueryPoolResults(
-        c->device, frame->queries, 0, count + 1, sizeof ticks, ticks, sizeof *ticks,
-        VK_QUERY_RESULT_64_BIT | VK_QUERY_RESULT_WAIT_BIT);
-    if (status != VK_SUCCESS)
-        return gpu_error(env, status, "vkGetQueryPoolResults");
-    for (uint32_t i = 0; i < count; i++)
-        ms[i] += (double)(ticks[i + 1] - ticks[i]) * c->timestamp_ms;
     return STP_OK;
 }
 
@@ -88,9 +104,7 @@ enum stp_result record_profile(const struct stp_env *env, struct record_frame *f
         return STP_OK;
     for (unsigned f = 0; f < PROFILED; f++) {
         for (uint32_t t = 0; t < plan->tile_count; t++) {
-            enum stp_result result = run_tile(env, frame, &plan->tile[t], true);
-            if (result == STP_OK)
-                result = add_timestamps(env, frame, ms[f]);
+            enum stp_result result = run_tile(env, frame, &plan->tile[t], ms[f]);
             if (result != STP_OK)
                 return result;
         }

@@ -190,25 +190,73 @@ static void finish(struct record_frame *frame, VkCommandBuffer commands)
         barrier(frame, commands, &memory);
 }
 
+static void push_sample(struct record_frame *frame, VkCommandBuffer commands, uint32_t sample)
+{
+    frame->context->vk.vkCmdPushConstants(commands, frame->resources.layout,
+                                          VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
+                                              VK_SHADER_STAGE_FRAGMENT_BIT,
+                                          RECORD_PUSH_SAMPLE, sizeof sample, &sample);
+}
+
+uint32_t record_parts(const struct stp_plan *plan)
+{
+    return (plan_samples(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
+}
+
+struct record_steps record_steps(const struct stp_plan *plan, uint32_t part)
+{
+    uint32_t first = part * RECORD_SAMPLES, left = plan_samples(plan) - first;
+    struct record_steps steps = { .plan = plan, .first_sample = first };
+    uint32_t samples = left < RECORD_SAMPLES ? left : RECORD_SAMPLES;
+    steps.before = first == 0 ? plan->repeat_first : 0;
+    steps.repeated = samples * (plan->repeat_end - plan->repeat_first);
+    steps.count = steps.before + steps.repeated;
+    steps.last = samples == left;
+    if (steps.last)
+        steps.count += plan->pass_count - plan->repeat_end;
+    return steps;
+}
+
+uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sample)
+{
+    const struct stp_plan *plan = steps->plan;
+    uint32_t length = plan->repeat_end - plan->repeat_first;
+    *sample = steps->first_sample;
+    if (i < steps->before)
+        return i;
+    i -= steps->before;
+    if (i >= steps->repeated)
+        return plan->repeat_end + i - steps->repeated;
+    *sample += i / length;
+    return plan->repeat_first + i % length;
+}
+
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
-                 bool timed, uint32_t skip_barrier)
+                 uint32_t part, bool timed, uint32_t skip_barrier)
 {
     const struct stp_plan *plan = frame->plan;
+    struct record_steps steps = record_steps(plan, part);
     struct hazards hazards = { 0 };
+    uint32_t sample, pushed = UINT32_MAX;
     timed = timed && frame->queries;
     if (timed)
-        frame->context->vk.vkCmdResetQueryPool(commands, frame->queries, 0, plan->pass_count + 1);
+        frame->context->vk.vkCmdResetQueryPool(commands, frame->queries, 0, steps.count + 1);
     begin(frame, commands);
     write_constants(frame, commands, tile);
     bind(frame, commands);
     if (timed)
         stamp(frame, commands, 0);
-    for (uint32_t i = 0; i < plan->pass_count; i++) {
-        synchronise(frame, commands, &plan->pass[i], &hazards, i == skip_barrier);
-        pass_record(frame->context, commands, plan, &plan->pass[i], tile, &frame->resources,
-                    frame->pipeline[i]);
+    for (uint32_t i = 0; i < steps.count; i++) {
+        uint32_t pass = record_step(&steps, i, &sample);
+        if (sample != pushed)
+            push_sample(frame, commands, sample);
+        pushed = sample;
+        synchronise(frame, commands, &plan->pass[pass], &hazards, pass == skip_barrier);
+        pass_record(frame->context, commands, plan, &plan->pass[pass], tile, &frame->resources,
+                    frame->pipeline[pass]);
         if (timed)
             stamp(frame, commands, i + 1);
     }
-    finish(frame, commands);
+    if (steps.last)
+        finish(frame, commands);
 }

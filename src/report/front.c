@@ -20,13 +20,18 @@ static bool beats(const struct report_row *a, const struct report_row *b)
     return ta < tb || ea < eb || a < b;
 }
 
+bool report_contends(const struct report_row *row)
+{
+    return !row->is_reference && row->epsilon_scale == 1;
+}
+
 void report_find_front(struct report *report)
 {
     for (unsigned i = 0; i < report->row_count; i++) {
         struct report_row *row = &report->row[i];
-        row->on_front = !row->is_reference;
+        row->on_front = report_contends(row);
         for (unsigned k = 0; row->on_front && k < report->row_count; k++)
-            if (k != i && !report->row[k].is_reference && beats(&report->row[k], row))
+            if (k != i && report_contends(&report->row[k]) && beats(&report->row[k], row))
                 row->on_front = false;
     }
 }
@@ -50,8 +55,7 @@ unsigned report_front(const struct report *report, const struct report_row **fro
 
 static bool contends(const struct report_row *row, const char *method)
 {
-    return !row->is_reference && row->epsilon_scale == 1 &&
-           (!method || strcmp(row->method, method) == 0);
+    return report_contends(row) && (!method || strcmp(row->method, method) == 0);
 }
 
 const struct report_row *report_fastest(const struct report *report, const char *method,

@@ -35,11 +35,11 @@ static void heading(FILE *out, const struct report *report)
     fprintf(
         out,
         "Milliseconds are from record to fence with the scene resident, medians of %u frames in "
-        "%u rounds: every configuration in turns, in another order each round, the first frame "
+        "%u round%s: every configuration in turns, in another order each round, the first frame "
         "of each visit thrown away; in brackets the quartiles. Errors are those of "
         "`stipple compare` against the float64 reference of the same camera, over covered "
         "pixels. The sweep took %.0f s.\n\n",
-        frames, report->rounds, report->seconds);
+        frames, report->rounds, report->rounds == 1 ? "" : "s", report->seconds);
     fputs("![milliseconds against error](report.svg)\n\n", out);
 }
 
@@ -186,7 +186,7 @@ static void against_baseline(FILE *out, const struct report *report)
     unsigned slower = 0, contenders = 0;
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *row = &report->row[i];
-        if (row->is_reference || strcmp(row->method, "two-pass") == 0)
+        if (!report_contends(row) || strcmp(row->method, "two-pass") == 0)
             continue;
         contenders++;
         slower += row->ms.median >= base->ms.median;
@@ -204,7 +204,7 @@ static void against_baseline(FILE *out, const struct report *report)
           out);
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *row = &report->row[i];
-        if (row->is_reference || strcmp(row->method, "two-pass") == 0 ||
+        if (!report_contends(row) || strcmp(row->method, "two-pass") == 0 ||
             row->ms.median < base->ms.median)
             continue;
         fprintf(out, "| %s | %s |", report_row_name(row, name),

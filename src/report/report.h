@@ -58,13 +58,15 @@ struct report {
 /* Mean absolute error over covered pixels, at least the floor: what configurations are ranked by.
  */
 double report_error(const struct report_row *row);
+/* False for the reference, and for variants of epsilon: those show another picture. */
+bool report_contends(const struct report_row *row);
 /* Marks every row that no other beats in one of time and error without losing in the other. Of
  * equal rows the first is kept. */
 void report_find_front(struct report *report);
 /* The front from the fastest to the most exact; returns how many. */
 unsigned report_front(const struct report *report, const struct report_row **front);
 /* The fastest row with at most this error, the most exact within this time, NULL when there is
- * none. method NULL: any. Variants of epsilon and the reference are left out. */
+ * none. method NULL: any. */
 const struct report_row *report_fastest(const struct report *report, const char *method,
                                         double most_error);
 const struct report_row *report_most_exact(const struct report *report, const char *method,

@@ -228,14 +228,14 @@ static void draw_line(const struct plot *plot, double line[][2], unsigned count)
 /* The front, and the fastest of every other method and path. */
 static bool is_named(const struct report *report, const struct report_row *row)
 {
-    if (row->is_reference || row->epsilon_scale != 1)
-        return !row->is_reference && row->on_front;
+    if (!report_contends(row))
+        return false;
     if (row->on_front)
         return true;
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *other = &report->row[i];
         if (strcmp(other->method, row->method) == 0 && strcmp(other->path, row->path) == 0 &&
-            other->epsilon_scale == 1 &&
+            report_contends(other) &&
             (other->on_front || other->ms.median < row->ms.median ||
              (other->ms.median == row->ms.median && other < row)))
             return false;
@@ -280,16 +280,17 @@ static void draw_labels(const struct plot *plot, const double (*line)[2], unsign
 {
     const struct report_row *named[LABELS];
     struct label labels[LABELS];
-    struct box markers[REPORT_MAX_ROWS];
+    struct box markers[2 * REPORT_MAX_ROWS + 1];
     char text[REPORT_NAME_SIZE];
     unsigned count = 0, marker_count = 0;
+    double eighth = axis_at(&plot->y, EIGHTH);
+    markers[marker_count++] = (struct box){ LEFT, eighth - 2, RIGHT, eighth + 2 };
     for (unsigned i = 0; i < plot->report->row_count; i++) {
         const struct report_row *row = &plot->report->row[i];
         if (row->is_reference)
             continue;
         double x = px(plot, row), y = py(plot, row);
-        if (marker_count < sizeof markers / sizeof *markers)
-            markers[marker_count++] = (struct box){ x - 6, y - 6, x + 6, y + 6 };
+        markers[marker_count++] = (struct box){ x - 6, y - 6, x + 6, y + 6 };
         if (count == LABELS || !is_named(plot->report, row))
             continue;
         label_text(row, text);
@@ -297,6 +298,9 @@ static void draw_labels(const struct plot *plot, const double (*line)[2], unsign
             .x = x, .y = y, .width = LETTER * (double)strlen(text) + 4, .height = 15
         };
         named[count++] = row;
+        markers[marker_count++] =
+            (struct box){ axis_at(&plot->x, fmax(row->ms.quartile1, 1e-6)), y - 3,
+                          axis_at(&plot->x, fmax(row->ms.quartile3, 1e-6)), y + 3 };
     }
     struct label_scene scene = {
         { LEFT + 4, TOP + 4, RIGHT - 4, BOTTOM - 4 }, markers, marker_count, line, line_count

@@ -54,7 +54,7 @@ static double cost(const struct label *labels, unsigned placed, unsigned count, 
                    const struct box *box, const struct label_scene *scene)
 {
     struct box wide = grown(box, 3);
-    double sum = 14.0 * ring + 1e4 * outside(box, &scene->area) + 4 * crossed(scene, &wide);
+    double sum = 14.0 * ring + 1e4 * outside(box, &scene->area) + 8 * crossed(scene, &wide);
     for (unsigned i = 0; i < placed; i++)
         sum += 100 * box_overlap(&wide, &labels[i].box);
     for (unsigned i = 0; i < scene->marker_count; i++)

@@ -45,24 +45,29 @@ static void add_twopass(struct list *list)
 
 static void add_deferred(struct list *list, bool quick, double overlap)
 {
-    static const struct study_config all[] = {
-        { 0, STP_PATH_COMPUTE, STP_PAYLOAD_PACKED, STP_VORONOI_OFF, 0, 0 },
-        { 0, STP_PATH_COMPUTE, STP_PAYLOAD_PACKED, STP_VORONOI_SLAB, 0, 0 },
-        { 0, STP_PATH_COMPUTE, STP_PAYLOAD_ID, STP_VORONOI_OFF, 0, 0 },
-        { 0, STP_PATH_COMPUTE, STP_PAYLOAD_ID, STP_VORONOI_SLAB, 0, 0 },
-        { 0, STP_PATH_COMPUTE, STP_PAYLOAD_ID, STP_VORONOI_EXACT, 0, 0 },
-        { 0, STP_PATH_RASTER, STP_PAYLOAD_AUTO, STP_VORONOI_OFF, 0, 0 },
-        { 0, STP_PATH_RASTER, STP_PAYLOAD_AUTO, STP_VORONOI_SLAB, 0, 0 },
+    static const struct {
+        enum stp_path path;
+        enum stp_payload payload;
+        enum stp_voronoi voronoi;
+    } all[] = {
+        { STP_PATH_COMPUTE, STP_PAYLOAD_PACKED, STP_VORONOI_OFF },
+        { STP_PATH_COMPUTE, STP_PAYLOAD_PACKED, STP_VORONOI_SLAB },
+        { STP_PATH_COMPUTE, STP_PAYLOAD_ID, STP_VORONOI_OFF },
+        { STP_PATH_COMPUTE, STP_PAYLOAD_ID, STP_VORONOI_SLAB },
+        { STP_PATH_COMPUTE, STP_PAYLOAD_ID, STP_VORONOI_EXACT },
+        { STP_PATH_RASTER, STP_PAYLOAD_PACKED, STP_VORONOI_OFF },
+        { STP_PATH_RASTER, STP_PAYLOAD_PACKED, STP_VORONOI_SLAB },
+        { STP_PATH_RASTER, STP_PAYLOAD_ID, STP_VORONOI_OFF },
+        { STP_PATH_RASTER, STP_PAYLOAD_ID, STP_VORONOI_SLAB },
+    }, brief[] = {
+        { STP_PATH_COMPUTE, STP_PAYLOAD_AUTO, STP_VORONOI_SLAB },
+        { STP_PATH_RASTER, STP_PAYLOAD_AUTO, STP_VORONOI_SLAB },
     };
-    for (unsigned i = 0; i < COUNT(all); i++) {
-        struct study_config config = all[i];
-        config.method = STP_METHOD_DEFERRED;
-        config.overlap = overlap;
-        config.epsilon_scale = 1;
-        bool brief = config.voronoi == STP_VORONOI_SLAB;
-        if (!quick || brief)
-            add(list, config);
-    }
+    unsigned count = quick ? COUNT(brief) : COUNT(all);
+    for (unsigned i = 0; i < count; i++)
+        add(list, (struct study_config){ STP_METHOD_DEFERRED, quick ? brief[i].path : all[i].path,
+                                         quick ? brief[i].payload : all[i].payload,
+                                         quick ? brief[i].voronoi : all[i].voronoi, overlap, 1 });
 }
 
 unsigned study_configs(bool quick, struct study_config configs[STUDY_MAX_CONFIGS])

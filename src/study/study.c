@@ -44,7 +44,10 @@ static enum stp_result make_plan(struct study *study, const struct study_config 
 static void add_frame(struct study *study, const struct study_config *config, struct stp_plan *plan)
 {
     struct report_row *row = &study->report.row[study->frame_count];
-    study_describe(config, row);
+    struct study_config settled = *config;
+    if (config->method == STP_METHOD_DEFERRED && config->payload == STP_PAYLOAD_AUTO)
+        settled.payload = plan->payload;
+    study_describe(&settled, row);
     if (config->overlap > 0)
         row->grouping = study->scene->facts.grouping;
     row->scene_bytes = plan_bytes(plan, PLAN_SCENE);
@@ -156,7 +159,7 @@ static void describe(struct study *study)
                                              : 1.5;
     r->kernel = p->render.kernel == STP_KERNEL_GAUSS ? "gauss" : "parabola";
     r->cull = p->render.cull == STP_CULL_BACK ? "back" : "none";
-    r->rounds = p->rounds ? p->rounds : p->quick ? 2 : 5;
+    r->rounds = p->rounds ? p->rounds : p->quick ? 2 : 3;
 }
 
 static enum stp_result study_all(struct study *study, const char *folder)

@@ -13,7 +13,7 @@
 struct study_config {
     enum stp_method method;
     enum stp_path path;
-    enum stp_payload payload;
+    enum stp_payload payload; /* AUTO: what the plan says */
     enum stp_voronoi voronoi;
     double overlap;       /* deferred only, else 0 */
     double epsilon_scale; /* of the reference's */

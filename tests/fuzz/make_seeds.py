@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Writes the seeds: the small valid files that the corpus starts from, every branch of a format
-that a fuzzer would take long to find. usage: make_seeds.py [FOLDER]; Python's own modules only."""
+that a fuzzer would take long to find. Beside them in the corpus stand cover_*, inputs by which
+fuzzing reached more of a reader, and found_*, what once broke one. usage: make_seeds.py [FOLDER]; Python's own modules only."""
 import gzip
 import os
 import struct

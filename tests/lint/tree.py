@@ -5,6 +5,7 @@ import sys
 
 ROOT = os.path.normpath(os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", ".."))
 FOLDERS = ["include", "src", "glsl", "tools", "tests", "docs", "assets", ".ci"]
+CORPUS = "tests/fuzz/corpus"  # anything at all, on purpose
 BINARY = (".ply", ".gz", ".png", ".exr", ".spv", ".pyc")
 
 
@@ -13,7 +14,8 @@ def files(*endings, folders=None):
     found = []
     for folder in folders or FOLDERS:
         for at, names, entries in os.walk(os.path.join(ROOT, folder)):
-            names[:] = [n for n in names if n != "__pycache__"]
+            names[:] = [n for n in names if n != "__pycache__"
+                        and os.path.relpath(os.path.join(at, n), ROOT) != CORPUS]
             found += [os.path.relpath(os.path.join(at, e), ROOT) for e in entries]
     if not folders:
         found += [e for e in os.listdir(ROOT)

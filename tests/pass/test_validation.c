@@ -16,7 +16,7 @@ static unsigned messages_without(struct device *device, const struct stp_scene *
     assert_int_equal(record_frame_create(&device->env, c, plan, &frame), STP_OK);
     assert_int_equal(record_upload(&device->env, &frame, scene), STP_OK);
     assert_int_equal(gpu_begin(&device->env, c), STP_OK);
-    record_walk(&frame, c->commands, &plan->tile[0], false, skipped);
+    record_walk(&frame, c->commands, &plan->tile[0], 0, false, skipped);
     c->vk.vkEndCommandBuffer(c->commands);
     record_frame_destroy(&frame);
     c->env = NULL;
@@ -72,6 +72,13 @@ static void test_indirect_read_then_write(void **state)
         "reset arguments", 1, "AFTER");
 }
 
+/* The same from one sample to the next. */
+static void test_sample_after_sample(void **state)
+{
+    expect_hazard((struct stp_render_params){ .method = STP_METHOD_EXACT, .samples = 4 },
+                  "reset arguments", 0, "AFTER");
+}
+
 /* Misuse of the API: a dispatch that no pipeline was bound for. */
 static void test_misuse(void **state)
 {
@@ -94,6 +101,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_write_then_indirect_read),
         cmocka_unit_test(test_indirect_read_then_write),
+        cmocka_unit_test(test_sample_after_sample),
         cmocka_unit_test(test_misuse),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -71,10 +71,6 @@ static void focal_length_nan(struct inputs *in)
 {
     in->camera.fy = NAN;
 }
-static void samples(struct inputs *in)
-{
-    in->params.samples = 4;
-}
 static void little_memory(struct inputs *in)
 {
     in->params.memory_limit = 1000;
@@ -112,7 +108,6 @@ static const struct {
     { near_is_nan, STP_ERROR_ARGUMENT, "near < far" },
     { no_focal_length, STP_ERROR_ARGUMENT, "focal" },
     { focal_length_nan, STP_ERROR_ARGUMENT, "focal" },
-    { samples, STP_ERROR_ARGUMENT, "reference" },
     { little_memory, STP_ERROR_DEVICE_MEMORY, "tile" },
     { little_heap, STP_ERROR_DEVICE_MEMORY, "3000 bytes" },
     { not_prepared, STP_ERROR_ARGUMENT, "prepared" },

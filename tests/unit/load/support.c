@@ -4,6 +4,8 @@
 #include <stdlib.h>
 #include <string.h>
 
+#include "base/memory.h"
+
 void put_bytes(struct buffer *buffer, const void *data, size_t size)
 {
     if (buffer->size + size > buffer->capacity) {
@@ -142,4 +144,28 @@ bool same_cloud(const struct cloud *a, const struct cloud *b)
            same_array(a->radius, b->radius, n * sizeof *a->radius) &&
            same_array(a->color, b->color, n * sizeof *a->color) &&
            same_array(a->opacity, b->opacity, n * sizeof *a->opacity);
+}
+
+void fail_each_allocation(const struct buffer *b, const char *color_by)
+{
+    struct load_options options = { .color_by = color_by };
+    struct lines lines;
+    struct cloud whole, cloud;
+    unsigned refused = 0;
+    mem_fail_at(0);
+    assert_int_equal(read_buffer(b, &options, 1, &whole, &lines), STP_OK);
+    unsigned long allocations = mem_count();
+    for (unsigned long n = 1; n <= allocations; n++) {
+        mem_fail_at(n);
+        enum stp_result result = read_buffer(b, &options, 1, &cloud, &lines);
+        mem_fail_at(0);
+        if (result == STP_OK)
+            assert_true(same_cloud(&cloud, &whole)); /* it coped without */
+        else
+            assert_int_equal(result, STP_ERROR_MEMORY);
+        refused += result != STP_OK;
+        cloud_release(&cloud);
+    }
+    assert_in_range(refused, 1, allocations);
+    cloud_release(&whole);
 }

@@ -40,6 +40,10 @@ struct cloud read_text(const char *text);
 void refuse_text(const char *text, enum stp_result expected, const char *words);
 void refuse_buffer(const struct buffer *buffer, enum stp_result expected, const char *words);
 
+/* Each allocation of a reading that succeeds fails in turn: one line, the right result, nothing
+ * leaked (the sanitizer sees). */
+void fail_each_allocation(const struct buffer *buffer, const char *color_by);
+
 /* xorshift: the same numbers on every machine. */
 uint64_t next_random(uint64_t *state);
 

@@ -537,6 +537,16 @@ static void test_lying_records(void **state)
     drop(&records);
 }
 
+static void test_memory(void **state)
+{
+    struct recipe r = { .format = 3, .minor = 2, .count = 300, .color_most = 9, .withhold = true };
+    struct buffer b = make(&r);
+    fail_each_allocation(&b, NULL);
+    fail_each_allocation(&b, "intensity");
+    fail_each_allocation(&b, "class");
+    drop(&b);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -545,7 +555,7 @@ int main(void)
         cmocka_unit_test(test_extras),        cmocka_unit_test(test_extra_normals),
         cmocka_unit_test(test_all_withheld),  cmocka_unit_test(test_counts),
         cmocka_unit_test(test_lies),          cmocka_unit_test(test_short),
-        cmocka_unit_test(test_lying_records),
+        cmocka_unit_test(test_lying_records), cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

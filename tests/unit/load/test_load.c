@@ -5,7 +5,6 @@
 #include <unistd.h>
 #include <zlib.h>
 
-#include "base/memory.h"
 #include "support.h"
 
 static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
@@ -79,32 +78,11 @@ static void test_known_formats(void **state)
     drop(&b);
 }
 
-/* Each allocation in turn fails: one line, the right result, nothing leaked (the sanitizer sees).
- */
 static void fail_everywhere(const char *text, const char *color_by)
 {
-    struct load_options options = { .color_by = color_by };
     struct buffer b = { 0 };
-    struct lines lines;
-    struct cloud whole, cloud;
-    unsigned refused = 0;
     put_bytes(&b, text, strlen(text));
-    mem_fail_at(0);
-    assert_int_equal(read_buffer(&b, &options, 1, &whole, &lines), STP_OK);
-    unsigned long allocations = mem_count();
-    for (unsigned long n = 1; n <= allocations; n++) {
-        mem_fail_at(n);
-        enum stp_result result = read_buffer(&b, &options, 1, &cloud, &lines);
-        mem_fail_at(0);
-        if (result == STP_OK)
-            assert_true(same_cloud(&cloud, &whole)); /* it coped without */
-        else
-            assert_int_equal(result, STP_ERROR_MEMORY);
-        refused += result != STP_OK;
-        cloud_release(&cloud);
-    }
-    assert_in_range(refused, 1, allocations);
-    cloud_release(&whole);
+    fail_each_allocation(&b, color_by);
     drop(&b);
 }
 

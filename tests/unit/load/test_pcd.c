@@ -465,6 +465,20 @@ static void test_lzf(void **state)
     }
 }
 
+static void test_memory(void **state)
+{
+    const struct field fields[] = { { "x", 'F', 4, 1, x_of },
+                                    { "y", 'F', 4, 1, y_of },
+                                    { "intensity", 'U', 2, 3, small_of },
+                                    { "rgba", 'U', 4, 1, NULL } };
+    for (int kind = ASCII; kind <= COMPRESSED; kind++) {
+        struct buffer b = make((enum kind)kind, fields, 4, 50, 1);
+        fail_each_allocation(&b, NULL);
+        fail_each_allocation(&b, "intensity");
+        drop(&b);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -472,7 +486,7 @@ int main(void)
         cmocka_unit_test(test_packed_text), cmocka_unit_test(test_up),
         cmocka_unit_test(test_none),        cmocka_unit_test(test_lies),
         cmocka_unit_test(test_short),       cmocka_unit_test(test_compressed_lies),
-        cmocka_unit_test(test_lzf),
+        cmocka_unit_test(test_lzf),         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -103,7 +103,7 @@ static void markdown(void **state)
         "| exact compute, packed, 40.00 ms | **1.00e-05**, compute, packed | 0.0070, raster, c "
         "0.4, "
         "Voronoi slab | - |",
-        "The baseline is the faster two-pass, two-pass raster: 50.00 ms. Of the other 4 "
+        "The baseline is the faster two-pass, two-pass raster: 50.00 ms. Of the other 3 "
         "configurations 1 are slower",
         "| deferred raster, c 1, Voronoi slab | 1.20 | 2.00e-05 (2.00e-08) |",
         "| 0.4 | 0.4000 | 7 | 0 | 2.50 | 0 |",

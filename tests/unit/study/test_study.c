@@ -13,7 +13,8 @@
 
 static bool same(const struct study_config *a, const struct study_config *b)
 {
-    return a->method == b->method && a->path == b->path && a->payload == b->payload &&
+    return a->method == b->method && a->path == b->path &&
+           (a->payload == b->payload || a->payload == STP_PAYLOAD_AUTO) &&
            a->voronoi == b->voronoi && a->overlap == b->overlap &&
            a->epsilon_scale == b->epsilon_scale;
 }
@@ -23,7 +24,7 @@ static void configurations(void **state)
     struct study_config all[STUDY_MAX_CONFIGS], quick[STUDY_MAX_CONFIGS];
     unsigned count = study_configs(false, all), few = study_configs(true, quick);
     assert_true(count < STUDY_MAX_CONFIGS && count < REPORT_MAX_ROWS);
-    assert_int_equal(count, 2 + 2 + 2 + 5 * 7);
+    assert_int_equal(count, 2 + 2 + 2 + 5 * 9);
     assert_true(few < count / 2);
     unsigned deferred = 0, baseline = 0;
     for (unsigned i = 0; i < count; i++) {
@@ -33,7 +34,7 @@ static void configurations(void **state)
         for (unsigned k = 0; k < i; k++)
             assert_false(same(&all[i], &all[k]));
     }
-    assert_int_equal(deferred, 35);
+    assert_int_equal(deferred, 45);
     assert_int_equal(baseline, 2);
     for (unsigned i = 0; i < few; i++) { /* quick is a part of the whole */
         bool found = false;

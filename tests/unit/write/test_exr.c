@@ -190,6 +190,39 @@ static void test_damage(void **state)
     }
 }
 
+/* A small part of a large picture is read; a few hundred bytes that claim one of gigabytes are not.
+ */
+static void test_display_window(void **state)
+{
+    static const struct {
+        int32_t last;
+        enum stp_result result;
+    } cases[] = { { 1999, STP_OK }, { 65534, STP_ERROR_FORMAT }, { 65536, STP_ERROR_FORMAT } };
+    char folder[64], path[PATH_MAX];
+    struct stp_image *image = make_image(8, 8, 1), *read = NULL;
+    make_scratch(folder);
+    in_scratch(folder, "a.exr", path);
+    assert_int_equal(stp_image_write_exr(NULL, image, path, NULL), STP_OK);
+    size_t size;
+    unsigned char *data = slurp(path, &size);
+    unsigned char *window = memmem(data, size, "displayWindow\0box2i", 19);
+    assert_non_null(window);
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        const int32_t box[4] = { 0, 0, cases[i].last, cases[i].last };
+        struct log_book book;
+        struct stp_env env = logged_env(&book, 1);
+        memcpy(window + 24, box, sizeof box);
+        spill(path, data, size);
+        assert_int_equal(stp_image_read_exr(&env, path, &read), cases[i].result);
+        assert_int_equal(book.errors, cases[i].result != STP_OK);
+        assert_true(!read || read->width == 2000);
+        stp_image_destroy(&read);
+    }
+    free(data);
+    stp_image_destroy(&image);
+    remove_scratch(folder);
+}
+
 static void test_memory(void **state)
 {
     char path[PATH_MAX];
@@ -255,6 +288,7 @@ int main(void)
         cmocka_unit_test(test_threads_same_bytes),
         cmocka_unit_test(test_bad_pictures),
         cmocka_unit_test(test_damage),
+        cmocka_unit_test(test_display_window),
         cmocka_unit_test(test_memory),
     };
     return cmocka_run_group_tests(tests, set_up, tear_down);
