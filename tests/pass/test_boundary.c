@@ -53,7 +53,7 @@ static void test_large_splats(void **state)
 static void test_ground(void **state)
 {
     for (int near = 0; near < 3; near++) {
-        struct stp_scene *scene = scene_make(3, 1, 0.05);
+        struct stp_scene *scene = scene_make(3, 1, 0.5);
         struct stp_camera camera = plain_camera(48, 48, 20);
         camera.near_depth = near == 0 ? 1e-6 : near == 1 ? 0.1 : 2.9;
         scene_add(scene, v3(0, -1, -1), v3(0, 1, 0), 1e4);

@@ -1,0 +1,80 @@
+/* Plans of small scenes that are filled by hand; nothing here knows a device. */
+#ifndef TEST_PLANS_H
+#define TEST_PLANS_H
+
+#include "../pass/device.h"
+
+/* One log line, kept. */
+struct plan_log {
+    unsigned lines;
+    char last[1024];
+};
+
+static inline void plan_keep_line(void *user, enum stp_log_level level, const char *line)
+{
+    struct plan_log *log = user;
+    log->lines++;
+    snprintf(log->last, sizeof log->last, "%s", line);
+}
+
+/* What a plan is made from: a test changes some of it, then calls plan_of. */
+struct inputs {
+    struct stp_scene *scene;
+    struct stp_camera camera;
+    struct stp_render_params params;
+    struct stp_limits limits;
+};
+
+/* 100 discs of one object without colours, 4 groups at c = 0.85, seen at 64 x 48 by lavapipe. */
+static inline struct inputs plain_inputs(void)
+{
+    struct inputs in = { .scene = scene_make(100, 1, 0.1), .camera = plain_camera(64, 48, 50) };
+    for (int i = 0; i < 100; i++)
+        scene_add(in.scene, v3(i % 10 * 0.1, i / 10 * 0.1, -3), v3(0, 0.1, 1), 0.1);
+    scene_finish(in.scene);
+    in.scene->splats.group = calloc(100, 1);
+    for (int i = 0; i < 100; i++)
+        in.scene->splats.group[i] = (uint8_t)(i % 4);
+    in.scene->facts.grouping = (struct stp_grouping){ .groups = 4, .overlap = 0.85 };
+    stp_limits_lavapipe(&in.limits);
+    return in;
+}
+
+static inline void color_inputs(struct inputs *in)
+{
+    in->scene->splats.color = calloc(in->scene->splats.count, sizeof *in->scene->splats.color);
+    in->scene->facts.has_color = true;
+    in->scene->facts.color_max = 1;
+}
+
+static inline struct stp_plan *plan_of(const struct inputs *in)
+{
+    struct stp_plan *plan = NULL;
+    assert_int_equal(stp_plan_create(NULL, in->scene, &in->camera, &in->params, &in->limits, &plan),
+                     STP_OK);
+    return plan;
+}
+
+static inline void release_inputs(struct inputs *in)
+{
+    stp_scene_destroy(&in->scene);
+}
+
+static inline const struct plan_resource *resource_named(const struct stp_plan *plan,
+                                                         const char *name)
+{
+    for (uint32_t i = 0; i < plan->resource_count; i++)
+        if (strcmp(plan->resource[i].name, name) == 0)
+            return &plan->resource[i];
+    return NULL;
+}
+
+static inline const struct plan_pass *pass_named(const struct stp_plan *plan, const char *name)
+{
+    for (uint32_t i = 0; i < plan->pass_count; i++)
+        if (strcmp(plan->pass[i].name, name) == 0)
+            return &plan->pass[i];
+    return NULL;
+}
+
+#endif

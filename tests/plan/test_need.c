@@ -1,0 +1,265 @@
+/* Only what a scene needs: without a feature a plan has no resource, pass or constant of it, and
+ * with it exactly those. */
+#include "plans.h"
+
+enum { EXACT = 1, TWO_PASS = 2, TWO_PASS_RASTER = 4, KEYS = 8, LAYERS = 16, ALL = 31 };
+#define WAYS 5
+
+static void choose_way(struct inputs *in, int way)
+{
+    static const enum stp_method methods[WAYS] = { STP_METHOD_EXACT, STP_METHOD_TWO_PASS,
+                                                   STP_METHOD_TWO_PASS, STP_METHOD_DEFERRED,
+                                                   STP_METHOD_DEFERRED };
+    static const enum stp_path paths[WAYS] = { STP_PATH_COMPUTE, STP_PATH_COMPUTE, STP_PATH_RASTER,
+                                               STP_PATH_COMPUTE, STP_PATH_RASTER };
+    in->params.method = methods[way];
+    in->params.path = paths[way];
+}
+
+static void no_atomics(struct inputs *in)
+{
+    in->params.mask_features |= STP_FEATURE_INT64_ATOMICS;
+}
+static void two_objects(struct inputs *in)
+{
+    in->scene->facts.objects = 2;
+}
+static void unknown_normals(struct inputs *in)
+{
+    in->scene->facts.no_normal = 3;
+}
+static void floor_off(struct inputs *in)
+{
+    in->params.min_splat = -1;
+}
+static void background(struct inputs *in)
+{
+    static const float color[] = { 0, 0, 0, 0 };
+    in->params.background = color;
+}
+static void albedo(struct inputs *in)
+{
+    in->params.aovs = STP_AOV_ALBEDO;
+}
+static void weight(struct inputs *in)
+{
+    in->params.aovs = STP_AOV_WEIGHT;
+}
+static void fragments(struct inputs *in)
+{
+    in->params.aovs = STP_AOV_FRAGMENTS;
+}
+static void position(struct inputs *in)
+{
+    in->params.aovs = STP_AOV_POSITION | STP_AOV_COVERAGE | STP_AOV_LAYERS;
+}
+static void two_lights(struct inputs *in)
+{
+    const struct stp_light lights[] = { { .at_eye = true, .color = { 1, 1, 1 } },
+                                        { .direction = { 1, 1, 1 }, .color = { 1, 1, 1 } } };
+    stp_scene_set_lights(in->scene, lights, 2);
+}
+static void dim_light(struct inputs *in)
+{
+    const struct stp_light light = { .at_eye = true, .color = { 1, 0.5f, 1 } };
+    stp_scene_set_lights(in->scene, &light, 1);
+}
+static void two_sided(struct inputs *in)
+{
+    in->scene->facts.two_sided = true;
+}
+static void cull(struct inputs *in)
+{
+    in->params.cull = STP_CULL_BACK;
+}
+static void gauss(struct inputs *in)
+{
+    in->params.kernel = STP_KERNEL_GAUSS;
+}
+static void local_viewer(struct inputs *in)
+{
+    in->params.local_viewer = true;
+}
+static void flat(struct inputs *in)
+{
+    in->camera = flat_camera(64, 48, 20);
+}
+static void eye_dome(struct inputs *in)
+{
+    in->scene->facts.eye_dome = true;
+}
+static void voronoi_exact(struct inputs *in)
+{
+    in->params.voronoi = STP_VORONOI_EXACT;
+}
+static void gpu(struct inputs *in)
+{
+    in->limits.processor = 2;
+}
+
+/* What appears ("+name") or goes ("-name"); NULL: nothing. constant -1: none changes. */
+static const struct feature {
+    const char *name;
+    void (*set)(struct inputs *in);
+    unsigned ways;
+    const char *resource, *pass;
+    int constant;
+    uint32_t value;
+} features[] = {
+    { "colours", color_inputs, EXACT, "+slot ids", NULL, PLAN_KEY_IDS, 1 },
+    { "colours", color_inputs, ALL, "+colors", NULL, PLAN_HAS_COLOR, 1 },
+    { "colours", color_inputs, TWO_PASS_RASTER, "+color sum", NULL, -1, 0 },
+    { "colours", color_inputs, KEYS, NULL, NULL, PLAN_PACKED, 0 },
+    { "objects", two_objects, ALL, NULL, NULL, PLAN_HAS_OBJECTS, 1 },
+    { "objects", two_objects, EXACT, "+slot ids", NULL, PLAN_KEY_IDS, 1 },
+    { "unknown normals", unknown_normals, ALL, NULL, NULL, PLAN_HAS_UNKNOWN, 1 },
+    { "no floor", floor_off, ALL, NULL, NULL, PLAN_FLOOR, 0 },
+    { "background", background, EXACT | TWO_PASS | KEYS, NULL, "+background", PLAN_BACKGROUND, 1 },
+    { "background", background, TWO_PASS_RASTER | LAYERS, NULL, NULL, PLAN_BACKGROUND, 1 },
+    { "albedo", albedo, ALL, "+albedo", NULL, PLAN_AOVS, 1 },
+    { "weight", weight, ALL, "+albedo", NULL, PLAN_AOVS, 1 },
+    { "fragments", fragments, ALL, "+id", NULL, PLAN_AOVS, 2 },
+    { "P, coverage, layers", position, ALL, NULL, NULL, PLAN_AOVS, 0 },
+    { "two lights", two_lights, ALL, NULL, NULL, PLAN_HEAD_LIGHT, 0 },
+    { "coloured light", dim_light, ALL, NULL, NULL, PLAN_HEAD_LIGHT, 0 },
+    { "two-sided", two_sided, ALL, NULL, NULL, PLAN_TWO_SIDED, 1 },
+    { "culling", cull, ALL, NULL, NULL, PLAN_CULL_BACK, 1 },
+    { "gauss", gauss, ALL, NULL, NULL, PLAN_GAUSS, 1 },
+    { "local viewer", local_viewer, ALL, NULL, NULL, PLAN_LOCAL_VIEWER, 1 },
+    { "orthographic", flat, ALL, NULL, NULL, PLAN_ORTHOGRAPHIC, 1 },
+    { "eye dome", eye_dome, ALL, NULL, "+eye dome", -1, 0 },
+    { "exact Voronoi", voronoi_exact, KEYS, "+nearest", "+nearest", PLAN_VORONOI, 2 },
+    { "a GPU", gpu, LAYERS, "-order", "-layer 3", PLAN_LAYERED, 1 },
+    { "a GPU", gpu, EXACT | TWO_PASS | TWO_PASS_RASTER | KEYS, NULL, NULL, PLAN_LAYERED, 0 },
+    { "no atomics", no_atomics, TWO_PASS, NULL, "+nearest id", PLAN_ATOMIC64, 0 },
+    { "no atomics", no_atomics, EXACT, NULL, "+repair id", PLAN_ATOMIC64, 0 },
+};
+
+static void expect_change(const char *name, int way, const char *change, bool before, bool after)
+{
+    bool appears = change[0] == '+';
+    if (before != !appears || after != appears)
+        fail_msg("%s, way %d: %s (was there: %d, is there: %d)", name, way, change, before, after);
+}
+
+static void check_feature(const struct feature *feature, int way)
+{
+    struct inputs without = plain_inputs(), with = plain_inputs();
+    choose_way(&without, way);
+    choose_way(&with, way);
+    feature->set(&with);
+    struct stp_plan *a = plan_of(&without), *b = plan_of(&with);
+    if (feature->resource)
+        expect_change(feature->name, way, feature->resource,
+                      resource_named(a, feature->resource + 1) != NULL,
+                      resource_named(b, feature->resource + 1) != NULL);
+    if (feature->pass)
+        expect_change(feature->name, way, feature->pass, pass_named(a, feature->pass + 1) != NULL,
+                      pass_named(b, feature->pass + 1) != NULL);
+    if (feature->constant >= 0 && b->constant[feature->constant] != feature->value)
+        fail_msg("%s, way %d: constant %d is %u", feature->name, way, feature->constant,
+                 b->constant[feature->constant]);
+    stp_plan_destroy(&a);
+    stp_plan_destroy(&b);
+    release_inputs(&without);
+    release_inputs(&with);
+}
+
+static void test_features(void **state)
+{
+    for (unsigned i = 0; i < sizeof features / sizeof *features; i++)
+        for (int way = 0; way < WAYS; way++)
+            if (features[i].ways >> way & 1)
+                check_feature(&features[i], way);
+}
+
+/* Nothing but the constants that every plan has to name: what is on, the squarings of 32. */
+static void test_the_least(void **state)
+{
+    struct inputs in = plain_inputs();
+    in.params.min_splat = -1;
+    struct stp_plan *plan = plan_of(&in);
+    const uint32_t expected[PLAN_CONSTANTS] = {
+        [PLAN_GROUPS] = 1,    [PLAN_PACKED] = 1,   [PLAN_HEAD_LIGHT] = 1,
+        [PLAN_SQUARINGS] = 5, [PLAN_ATOMIC64] = 1, [PLAN_FLOAT64] = 1
+    };
+    assert_memory_equal(plan->constant, expected, sizeof expected);
+    assert_int_equal(resource_named(plan, "materials")->bytes, 32);
+    assert_int_equal(resource_named(plan, "splats")->bytes, 100 * 32);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+/* As many layers, keys and passes as there are groups, and slabs only where c < 1. */
+static void test_groups(void **state)
+{
+    for (unsigned groups = 1; groups <= STP_MAX_GROUPS; groups += 9) {
+        struct inputs in = plain_inputs();
+        in.params.method = STP_METHOD_DEFERRED;
+        in.params.payload = STP_PAYLOAD_ID;
+        in.scene->facts.grouping = (struct stp_grouping){ .groups = groups, .overlap = 1 };
+        for (size_t i = 0; i < in.scene->splats.count; i++)
+            in.scene->splats.group[i] = (uint8_t)(i % groups);
+        struct stp_plan *plan = plan_of(&in);
+        assert_int_equal(plan->constant[PLAN_GROUPS], groups);
+        assert_int_equal(plan->constant[PLAN_VORONOI], 0);
+        assert_int_equal(resource_named(plan, "keys")->bytes, 64 * 48 * 8 * groups);
+        stp_plan_destroy(&plan);
+        in.params.path = STP_PATH_RASTER;
+        plan = plan_of(&in);
+        assert_int_equal(plan->resource[plan_find(plan, PLAN_IMAGE_DEPTH)].layers, groups);
+        assert_int_equal(plan->pass_count, groups + 1);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
+/* The shininess as squarings: 1 is none, 2^16 is sixteen, anything else takes pow. */
+static void test_squarings(void **state)
+{
+    static const struct {
+        float shininess;
+        uint32_t squarings;
+    } cases[] = { { 1, 0 },       { 2, 1 },   { 32, 5 },    { 65536, 16 },
+                  { 131072, 32 }, { 33, 32 }, { 0.5f, 32 }, { 0, 32 } };
+    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct inputs in = plain_inputs();
+        in.scene->objects[0].material.shininess = cases[i].shininess;
+        struct stp_plan *plan = plan_of(&in);
+        assert_int_equal(plan->constant[PLAN_SQUARINGS], cases[i].squarings);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
+/* Packed depth has 24 bits: ids where the range is too many epsilons, or are wanted. */
+static void test_payload(void **state)
+{
+    struct inputs in = plain_inputs();
+    in.scene->objects[0].epsilon = 1e-6;
+    struct stp_plan *plan = plan_of(&in);
+    assert_int_equal(plan->payload, STP_PAYLOAD_ID);
+    stp_plan_destroy(&plan);
+    in.scene->objects[0].epsilon = 0.1;
+    in.params.payload = STP_PAYLOAD_ID;
+    plan = plan_of(&in);
+    assert_int_equal(plan->constant[PLAN_PACKED], 0);
+    stp_plan_destroy(&plan);
+    in.params.payload = STP_PAYLOAD_AUTO;
+    in.params.method = STP_METHOD_DEFERRED;
+    in.params.aovs = STP_AOV_ID;
+    plan = plan_of(&in);
+    assert_int_equal(plan->constant[PLAN_PACKED], 0);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_features), cmocka_unit_test(test_the_least),
+        cmocka_unit_test(test_groups),   cmocka_unit_test(test_squarings),
+        cmocka_unit_test(test_payload),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,181 @@
+/* What cannot be planned: the right result, one line that says why, and no plan. */
+#include "plans.h"
+
+#include "base/memory.h"
+
+static void exact_raster(struct inputs *in)
+{
+    in->params.method = STP_METHOD_EXACT;
+    in->params.path = STP_PATH_RASTER;
+}
+static void auto_raster(struct inputs *in)
+{
+    in->params.path = STP_PATH_RASTER;
+}
+static void deferred_without_atomics(struct inputs *in)
+{
+    in->params.method = STP_METHOD_DEFERRED;
+    in->params.path = STP_PATH_COMPUTE;
+    in->params.mask_features = STP_FEATURE_INT64_ATOMICS;
+}
+static void raster_without_blend(struct inputs *in)
+{
+    in->params.method = STP_METHOD_TWO_PASS;
+    in->params.path = STP_PATH_RASTER;
+    in->limits.features &= ~(unsigned)STP_FEATURE_FLOAT32_BLEND;
+}
+static void no_groups(struct inputs *in)
+{
+    in->params.method = STP_METHOD_DEFERRED;
+    in->scene->facts.grouping.groups = 0;
+}
+static void voronoi_exact_raster(struct inputs *in)
+{
+    in->params.method = STP_METHOD_DEFERRED;
+    in->params.path = STP_PATH_RASTER;
+    in->params.voronoi = STP_VORONOI_EXACT;
+}
+static void no_width(struct inputs *in)
+{
+    in->camera.width = 0;
+}
+static void no_height(struct inputs *in)
+{
+    in->camera.height = 0;
+}
+static void too_wide(struct inputs *in)
+{
+    in->camera.width = 65537;
+}
+static void near_is_far(struct inputs *in)
+{
+    in->camera.far_depth = in->camera.near_depth;
+}
+static void near_beyond_far(struct inputs *in)
+{
+    in->camera.near_depth = INFINITY;
+}
+static void near_is_zero(struct inputs *in)
+{
+    in->camera.near_depth = 0;
+}
+static void near_is_nan(struct inputs *in)
+{
+    in->camera.near_depth = NAN;
+}
+static void no_focal_length(struct inputs *in)
+{
+    in->camera.fx = 0;
+}
+static void focal_length_nan(struct inputs *in)
+{
+    in->camera.fy = NAN;
+}
+static void samples(struct inputs *in)
+{
+    in->params.samples = 4;
+}
+static void little_memory(struct inputs *in)
+{
+    in->params.memory_limit = 1000;
+}
+static void little_heap(struct inputs *in)
+{
+    in->limits.heap_bytes = 3000; /* less than the scene */
+}
+static void not_prepared(struct inputs *in)
+{
+    in->scene->prepared = false;
+}
+static void no_splats(struct inputs *in)
+{
+    in->scene->splats.count = 0;
+}
+
+static const struct {
+    void (*set)(struct inputs *in);
+    enum stp_result result;
+    const char *word;
+} cases[] = {
+    { exact_raster, STP_ERROR_ARGUMENT, "raster" },
+    { auto_raster, STP_ERROR_ARGUMENT, "raster" },
+    { deferred_without_atomics, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
+    { raster_without_blend, STP_ERROR_FEATURE, "blending" },
+    { no_groups, STP_ERROR_ARGUMENT, "stp_scene_group" },
+    { voronoi_exact_raster, STP_ERROR_ARGUMENT, "slab" },
+    { no_width, STP_ERROR_ARGUMENT, "0 x 48" },
+    { no_height, STP_ERROR_ARGUMENT, "64 x 0" },
+    { too_wide, STP_ERROR_ARGUMENT, "65537 x 48" },
+    { near_is_far, STP_ERROR_ARGUMENT, "near < far" },
+    { near_beyond_far, STP_ERROR_ARGUMENT, "near < far" },
+    { near_is_zero, STP_ERROR_ARGUMENT, "near < far" },
+    { near_is_nan, STP_ERROR_ARGUMENT, "near < far" },
+    { no_focal_length, STP_ERROR_ARGUMENT, "focal" },
+    { focal_length_nan, STP_ERROR_ARGUMENT, "focal" },
+    { samples, STP_ERROR_ARGUMENT, "reference" },
+    { little_memory, STP_ERROR_DEVICE_MEMORY, "tile" },
+    { little_heap, STP_ERROR_DEVICE_MEMORY, "3000 bytes" },
+    { not_prepared, STP_ERROR_ARGUMENT, "prepared" },
+    { no_splats, STP_ERROR_ARGUMENT, "splats" },
+};
+
+static void test_refused(void **state)
+{
+    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct plan_log log = { 0 };
+        struct stp_env env = { .log = plan_keep_line, .user = &log };
+        struct inputs in = plain_inputs();
+        struct stp_plan *plan = NULL;
+        cases[i].set(&in);
+        enum stp_result result =
+            stp_plan_create(&env, in.scene, &in.camera, &in.params, &in.limits, &plan);
+        if (result != cases[i].result || log.lines != 1 || !strstr(log.last, cases[i].word))
+            fail_msg("%s: result %d, %u lines: %s", cases[i].word, result, log.lines, log.last);
+        assert_null(plan);
+        release_inputs(&in);
+    }
+}
+
+/* An orthographic view may begin behind the eye. */
+static void test_orthographic_near(void **state)
+{
+    struct inputs in = plain_inputs();
+    in.camera = flat_camera(64, 48, 20);
+    in.camera.near_depth = -5;
+    struct stp_plan *plan = plan_of(&in);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+static void test_out_of_memory(void **state)
+{
+    for (unsigned long n = 1;; n++) {
+        struct plan_log log = { 0 };
+        struct stp_env env = { .log = plan_keep_line, .user = &log };
+        struct inputs in = plain_inputs();
+        struct stp_plan *plan = NULL;
+        mem_fail_at(n);
+        enum stp_result result =
+            stp_plan_create(&env, in.scene, &in.camera, &in.params, &in.limits, &plan);
+        mem_fail_at(0);
+        assert_true((result == STP_OK) == (plan != NULL));
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+        if (result == STP_OK) {
+            assert_true(n > 2); /* the plan and its tiles */
+            break;
+        }
+        assert_int_equal(result, STP_ERROR_MEMORY);
+        assert_int_equal(log.lines, 1);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_orthographic_near),
+        cmocka_unit_test(test_out_of_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
