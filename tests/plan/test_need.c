@@ -185,8 +185,8 @@ static void test_the_least(void **state)
     in.params.min_splat = -1;
     struct stp_plan *plan = plan_of(&in);
     const uint32_t expected[PLAN_CONSTANTS] = {
-        [PLAN_GROUPS] = 1,    [PLAN_PACKED] = 1,   [PLAN_HEAD_LIGHT] = 1,
-        [PLAN_SQUARINGS] = 5, [PLAN_ATOMIC64] = 1, [PLAN_FLOAT64] = 1
+        [PLAN_GROUPS] = 1,   [PLAN_PACKED] = 1,  [PLAN_HEAD_LIGHT] = 1, [PLAN_SQUARINGS] = 5,
+        [PLAN_ATOMIC64] = 1, [PLAN_FLOAT64] = 1, [PLAN_SAMPLE_GRID] = 1
     };
     assert_memory_equal(plan->constant, expected, sizeof expected);
     assert_int_equal(resource_named(plan, "materials")->bytes, 32);
