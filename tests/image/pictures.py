@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """Small scenes from file to EXR by every method, under validation, against --method reference. The
-bars are those of the project: exact 70 dB, two-pass 60 dB, deferred at its defaults 50 dB."""
+bars of exact and two-pass are the project's, 70 and 60 dB. Deferred at c = 1 reaches 46 to 77 dB on
+these scenes, whose random points crowd more than a scanner's: what is lost shows below 44."""
 import math
 import os
 import random
@@ -17,8 +18,8 @@ WAYS = [
     (["--method", "exact", "--payload", "id"], 70),
     (["--method", "two-pass", "--path", "compute"], 60),
     (["--method", "two-pass", "--path", "raster"], 60),
-    (["--method", "deferred", "--path", "compute", "--overlap", "1"], 40),
-    (["--method", "deferred", "--path", "raster", "--overlap", "1"], 40),
+    (["--method", "deferred", "--path", "compute", "--overlap", "1"], 44),
+    (["--method", "deferred", "--path", "raster", "--overlap", "1"], 44),
     (["--method", "auto"], 70),
 ]
 
