@@ -97,7 +97,7 @@ static void test_unlike_epsilons(void **state)
     struct stp_camera camera = plain_camera(44, 40, 40);
     struct stp_scene *scene = scene_make(3, 2, 0.01);
     scene->objects[0].epsilon = 1e4;
-    scene_add(scene, v3(0.8, 0.8, -2), v3(0, 0.1, 1), 0.1);
+    scene_add(scene, v3(-0.1, 0.3, -2.5), v3(0, 0.1, 1), 0.4);
     for (int i = 0; i < 2; i++)
         scene_assign(scene,
                      scene_add(scene, v3(-0.2 * i, 0, -2 - 0.1 * i), v3(0.1, 0.05 * i, 1), 0.4), 1);
