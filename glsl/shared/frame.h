@@ -90,7 +90,7 @@ struct stp_frame_constants {
     float inv_focal[2];
     float center[2];
     float near_depth, far_depth;
-    float epsilon;     /* of object 0 */
+    float epsilon;     /* the least of the objects' */
     float floor_size;  /* least diameter, pixels */
     float depth_low;   /* depth of quantised 0 */
     float depth_scale; /* quantised steps a scene unit */

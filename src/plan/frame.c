@@ -145,19 +145,31 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     c[PLAN_SQUARINGS] = squarings(scene);
 }
 
+/* The least of the objects': slabs, and steps of depth, must not be wider than any epsilon. */
+static double least_epsilon(const struct stp_scene *scene)
+{
+    double least = scene->objects[0].epsilon;
+    for (unsigned i = 1; i < scene->object_count; i++)
+        least = fmin(least, scene->objects[i].epsilon);
+    return least;
+}
+
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
 {
     struct stp_frame_constants *f = &plan->frame;
     const struct stp_render_params *p = &plan->params;
     *f = (struct stp_frame_constants){ 0 };
     transform(plan);
-    f->epsilon = (float)(p->epsilon > 0 ? p->epsilon : scene->objects[0].epsilon);
+    f->epsilon = (float)(p->epsilon > 0 ? p->epsilon : least_epsilon(scene));
     f->floor_size = p->min_splat < 0 ? 0 : p->min_splat > 0 ? (float)p->min_splat : 1.5f;
     f->splat_count = (uint32_t)plan->facts.splats;
-    f->sum_scale = ldexpf(1, 40);
-    int exponent = 0;
+    /* All splats may lie in one pixel: their sum stays below 2^63. */
+    int exponent = 0, overlap = 0;
+    frexp((double)plan->facts.splats, &overlap);
+    int bits = overlap > 22 ? 62 - overlap : 40;
     frexp(fmax(plan->facts.color_max, 1), &exponent);
-    f->color_scale = ldexpf(1, 40 - exponent);
+    f->sum_scale = ldexpf(1, bits);
+    f->color_scale = ldexpf(1, bits - exponent);
     f->light_count = scene->light_count;
     for (unsigned i = 0; i < scene->light_count; i++)
         light(plan, &scene->lights[i], &f->lights[i]);
