@@ -90,7 +90,7 @@ struct stp_frame_constants {
     float inv_focal[2];
     float center[2];
     float near_depth, far_depth;
-    float epsilon;     /* of object 0 */
+    float epsilon;     /* the least of the objects' */
     float floor_size;  /* least diameter, pixels */
     float depth_low;   /* depth of quantised 0 */
     float depth_scale; /* quantised steps a scene unit */
@@ -109,6 +109,7 @@ struct stp_frame_constants {
     float color_scale;    /* of colours */
     float raster_near;    /* hardware depth = raster_near / depth, or affine when orthographic */
     float raster_scale;
+    float raster_slab; /* hardware depth of one slab (ZP Eq. 10) */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
 };
 

@@ -67,7 +67,7 @@ struct stp_render_params {
     const float *background; /* NULL: none (alpha 0), or linear RGBA composited behind */
     bool local_viewer;       /* half vectors from the point, not the axis */
     unsigned mask_features;  /* enum stp_feature, or-ed */
-    uint64_t memory_limit;   /* bytes of transient images and buffers; 0: the device's */
+    uint64_t memory_limit;   /* bytes of transients and outputs; 0: the device's */
 };
 
 /* What a device can do: hand-filled in tests, read from a profile or from a device. */

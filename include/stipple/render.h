@@ -42,7 +42,9 @@ struct stp_render_stats {
 };
 
 /* Renders the plan: uploads, records, submits, waits, reads back. repeat frames are timed after
- * the first (0: none). context may be NULL for the reference method only. stats may be NULL. */
+ * the first (0: none). context may be NULL for the reference method only. stats may be NULL. *image
+ * is the caller's: stp_image_destroy. The plan must have been made for this scene, as it is grouped
+ * now, and for the context's limits. */
 STP_API enum stp_result stp_render(const struct stp_env *env, struct stp_context *context,
                                    const struct stp_scene *scene, const struct stp_plan *plan,
                                    unsigned repeat, struct stp_image **image,

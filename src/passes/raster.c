@@ -5,8 +5,6 @@
 VkFormat pass_format(enum plan_format format)
 {
     switch (format) {
-    case PLAN_R32UI:
-        return VK_FORMAT_R32_UINT;
     case PLAN_RG32UI:
         return VK_FORMAT_R32G32_UINT;
     case PLAN_RG32F:

@@ -79,6 +79,7 @@ static void quantisation(struct stp_plan *plan)
     f->slab_scale = (float)(1 / epsilon);
     f->raster_near = (float)(plan->camera.orthographic ? high + epsilon : nearest);
     f->raster_scale = (float)(1 / (high - low + 2 * epsilon));
+    f->raster_slab = (float)(1 / (ceil((high - low) / epsilon) + 3));
     struct vec3 size = v3_sub(v3_load(plan->facts.bounds + 3), v3_load(plan->facts.bounds));
     double diagonal = v3_length(size);
     f->eye_dome_scale = diagonal > 0 ? (float)(16 / diagonal) : 0;
@@ -144,19 +145,31 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     c[PLAN_SQUARINGS] = squarings(scene);
 }
 
+/* The least of the objects': slabs, and steps of depth, must not be wider than any epsilon. */
+static double least_epsilon(const struct stp_scene *scene)
+{
+    double least = scene->objects[0].epsilon;
+    for (unsigned i = 1; i < scene->object_count; i++)
+        least = fmin(least, scene->objects[i].epsilon);
+    return least;
+}
+
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
 {
     struct stp_frame_constants *f = &plan->frame;
     const struct stp_render_params *p = &plan->params;
     *f = (struct stp_frame_constants){ 0 };
     transform(plan);
-    f->epsilon = (float)(p->epsilon > 0 ? p->epsilon : scene->objects[0].epsilon);
+    f->epsilon = (float)(p->epsilon > 0 ? p->epsilon : least_epsilon(scene));
     f->floor_size = p->min_splat < 0 ? 0 : p->min_splat > 0 ? (float)p->min_splat : 1.5f;
     f->splat_count = (uint32_t)plan->facts.splats;
-    f->sum_scale = ldexpf(1, 40);
-    int exponent = 0;
+    /* All splats may lie in one pixel: their sum stays below 2^63. */
+    int exponent = 0, overlap = 0;
+    frexp((double)plan->facts.splats, &overlap);
+    int bits = overlap > 22 ? 62 - overlap : 40;
     frexp(fmax(plan->facts.color_max, 1), &exponent);
-    f->color_scale = ldexpf(1, 40 - exponent);
+    f->sum_scale = ldexpf(1, bits);
+    f->color_scale = ldexpf(1, bits - exponent);
     f->light_count = scene->light_count;
     for (unsigned i = 0; i < scene->light_count; i++)
         light(plan, &scene->lights[i], &f->lights[i]);

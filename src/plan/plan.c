@@ -4,7 +4,8 @@
 #include "base/memory.h"
 #include "scene/scene.h"
 
-#define MOST_SAMPLES 65536 /* as of the reference */
+#define MOST_SAMPLES 65536            /* as of the reference */
+#define MOST_SPLATS  (UINT32_MAX / 3) /* a draw counts three vertices a splat */
 
 static enum stp_result check(const struct stp_env *env, const struct stp_scene *scene,
                              const struct stp_camera *camera, unsigned samples)
@@ -22,9 +23,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (samples > MOST_SAMPLES)
         return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", samples,
                          MOST_SAMPLES);
-    if (scene->splats.count > UINT32_MAX - 64)
-        return log_error(env, STP_ERROR_ARGUMENT, "%zu splats are more than 32 bits can count",
-                         scene->splats.count);
+    if (scene->splats.count > MOST_SPLATS)
+        return log_error(env, STP_ERROR_ARGUMENT, "%zu splats: at most %u", scene->splats.count,
+                         MOST_SPLATS);
     return STP_OK;
 }
 

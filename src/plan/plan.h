@@ -10,7 +10,6 @@
 #define PLAN_MAX_RESOURCES 32
 #define PLAN_MAX_PASSES    72 /* STP_MAX_GROUPS layers, and what comes after them */
 #define PLAN_MAX_ACCESSES  12
-#define PLAN_MAX_TILES     4096
 #define PLAN_NONE          255
 
 /* Specialisation constants; the order of glsl/lib/common.glsl. */
@@ -69,7 +68,7 @@ enum plan_slot {
 
 enum plan_lifetime { PLAN_SCENE, PLAN_TRANSIENT, PLAN_OUTPUT };
 
-enum plan_format { PLAN_BUFFER, PLAN_R32UI, PLAN_RG32UI, PLAN_RG32F, PLAN_RGBA32F, PLAN_D32F };
+enum plan_format { PLAN_BUFFER, PLAN_RG32UI, PLAN_RG32F, PLAN_RGBA32F, PLAN_D32F };
 
 struct plan_resource {
     char name[24];
@@ -156,12 +155,12 @@ struct plan_pass {
     enum plan_kind kind;
     enum plan_shader shader, vertex;
     enum plan_raster raster;
-    uint8_t target;              /* FILL: resource */
-    uint32_t value;              /* FILL */
-    uint32_t offset;             /* DISPATCH_INDIRECT: bytes into the work buffer */
-    uint32_t groups;             /* DISPATCH: workgroups along x; 0: one a 64 blocks of the tile */
-    bool repair;                 /* specialised with PLAN_REPAIR on */
-    uint32_t layer, layer_count; /* DRAW: of the attachments */
+    uint8_t target;                    /* FILL: resource */
+    uint32_t value;                    /* FILL */
+    uint32_t offset;                   /* DISPATCH_INDIRECT: bytes into the work buffer */
+    uint32_t groups;                   /* DISPATCH: workgroups; 0: one a block of the tile */
+    bool repair;                       /* specialised with PLAN_REPAIR on */
+    uint32_t layer, layer_count;       /* DRAW: of the attachments */
     uint32_t first_splat, splat_count; /* DRAW */
     uint8_t access_count;
     struct plan_access access[PLAN_MAX_ACCESSES];
@@ -212,11 +211,12 @@ void plan_attaches(const struct stp_plan *plan, struct plan_pass *pass, enum pla
 uint8_t plan_find(const struct stp_plan *plan, enum plan_slot slot); /* PLAN_NONE: absent */
 uint64_t plan_pixels(const struct stp_plan *plan);                   /* of a tile, whole blocks */
 void plan_fill(struct stp_plan *plan, enum plan_slot slot, uint32_t value, const char *name);
-/* One pass over the splats: small, then large ones; writes `slots` (ends with PLAN_SLOTS). */
+/* One pass over the splats: small, then large ones; updates `updated` (ends with PLAN_SLOTS). */
 void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_shader,
                 enum plan_shader large_shader, bool repair, const enum plan_slot *updated);
 void plan_blocks(struct stp_plan *plan);
-/* A resolving pass over the touched blocks; reads `slots`, writes the outputs. */
+/* A resolving pass over the touched blocks; reads `read` (ends with PLAN_SLOTS), writes the
+ * outputs. */
 void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shader, bool repair,
                   const enum plan_slot *read);
 

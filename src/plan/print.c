@@ -4,9 +4,8 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const char *const format_names[] = {
-    "buffer", "R32_UINT", "R32G32_UINT", "R32G32_SFLOAT", "R32G32B32A32_SFLOAT", "D32_SFLOAT"
-};
+static const char *const format_names[] = { "buffer", "R32G32_UINT", "R32G32_SFLOAT",
+                                            "R32G32B32A32_SFLOAT", "D32_SFLOAT" };
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {

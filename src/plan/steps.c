@@ -16,7 +16,6 @@ uint8_t plan_resource(struct stp_plan *plan, const char *name, enum plan_slot sl
 static unsigned texel_bytes(enum plan_format format)
 {
     switch (format) {
-    case PLAN_R32UI:
     case PLAN_D32F:
         return 4;
     case PLAN_RG32UI:

@@ -153,7 +153,10 @@ static void make_range(void *context, size_t begin, size_t end, unsigned worker)
 static enum stp_result make_pipelines(const struct stp_env *env, struct record_frame *frame)
 {
     struct making making = { .frame = frame };
-    parallel_for(env, frame->plan->pass_count, 1, make_range, &making);
+    /* Validation layers speak on the thread that calls them, and only the caller's may log. */
+    struct stp_env alone = { .threads = 1 };
+    parallel_for(frame->context->instance.validate ? &alone : env, frame->plan->pass_count, 1,
+                 make_range, &making);
     for (uint32_t i = 0; i < frame->plan->pass_count; i++) {
         enum stp_result result = making.result[i];
         if (result != STP_OK)

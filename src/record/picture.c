@@ -8,7 +8,7 @@
 #include "reference/samples.h"
 #include "scene/scene.h"
 
-static enum stp_result add_planes(struct stp_image *image, const char *const *names, bool half)
+static enum stp_result add_planes(struct stp_image *image, const char *const *names)
 {
     for (; *names; names++) {
         struct stp_channel *channel;
@@ -17,7 +17,6 @@ static enum stp_result add_planes(struct stp_image *image, const char *const *na
             stp_image_add(image, *names, id ? STP_CHANNEL_UINT : STP_CHANNEL_FLOAT, &channel);
         if (result != STP_OK)
             return result;
-        channel->half = half && !id;
     }
     return STP_OK;
 }
@@ -39,7 +38,7 @@ static enum stp_result add_aovs(struct stp_image *image, unsigned aovs)
     enum stp_result result = STP_OK;
     for (unsigned i = 0; result == STP_OK && i < sizeof table / sizeof *table; i++)
         if (aovs & table[i].aov)
-            result = add_planes(image, table[i].names, false);
+            result = add_planes(image, table[i].names);
     return result;
 }
 
@@ -50,7 +49,7 @@ enum stp_result record_picture(const struct stp_env *env, const struct stp_scene
     struct stp_image *made = NULL;
     enum stp_result result = stp_image_create(plan->camera.width, plan->camera.height, &made);
     if (result == STP_OK)
-        result = add_planes(made, planes, false);
+        result = add_planes(made, planes);
     if (result == STP_OK)
         result = add_aovs(made, plan->params.aovs);
     if (result != STP_OK) {

@@ -44,7 +44,7 @@ static struct stp_scene *pile(size_t count, double spread, bool painted, double 
 
 static void test_piles(void **state)
 {
-    static const size_t counts[] = { 31, 32, 33, 100, 10000 };
+    static const size_t counts[] = { STP_SLOTS - 1, STP_SLOTS, STP_SLOTS + 1, 300, 10000 };
     static const double spreads[] = { 0, 0.05, 1 }; /* of an epsilon of 0.1 */
     for (unsigned c = 0; c < sizeof counts / sizeof *counts; c++)
         for (unsigned s = 0; s < (counts[c] > 1000 ? 2 : 3); s++) {
@@ -62,8 +62,8 @@ static void test_large_piles(void **state)
 {
     for (int painted = 0; painted < 2; painted++) {
         struct stp_camera camera = plain_camera(45, 41, 40);
-        struct stp_scene *scene = pile(50, 0.3, painted, 3);
-        expect_exact(scene, &camera, "50 large discs");
+        struct stp_scene *scene = pile(STP_SLOTS + 20, 0.3, painted, 3);
+        expect_exact(scene, &camera, "large discs");
         stp_scene_destroy(&scene);
     }
 }

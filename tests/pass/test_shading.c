@@ -1,6 +1,8 @@
 /* Colours, materials, lights, unknown normals, eye dome and backgrounds against the reference. */
 #include "device.h"
 
+#include "base/memory.h"
+
 static struct device device;
 
 static int open_device(void **state)
@@ -79,6 +81,34 @@ static void test_objects(void **state)
     render_sheet(scene, &p, GROUPS, "three objects");
 }
 
+/* One sheet hides another of its object, in one group, beside an object of a huge epsilon: slabs
+ * and quantised depths have to tell the sheets apart. */
+static void test_unlike_epsilons(void **state)
+{
+    const struct stp_render_params all[] = {
+        { .method = STP_METHOD_EXACT },
+        { .method = STP_METHOD_EXACT, .payload = STP_PAYLOAD_ID },
+        { .method = STP_METHOD_TWO_PASS, .path = STP_PATH_COMPUTE },
+        { .method = STP_METHOD_TWO_PASS, .path = STP_PATH_RASTER },
+        { .method = STP_METHOD_DEFERRED, .voronoi = STP_VORONOI_SLAB },
+        { .method = STP_METHOD_DEFERRED, .voronoi = STP_VORONOI_EXACT },
+        { .method = STP_METHOD_DEFERRED, .path = STP_PATH_RASTER },
+    };
+    struct stp_camera camera = plain_camera(44, 40, 40);
+    struct stp_scene *scene = scene_make(3, 2, 0.01);
+    scene->objects[0].epsilon = 1e4;
+    scene_add(scene, v3(-0.1, 0.3, -2.5), v3(0, 0.1, 1), 0.4);
+    for (int i = 0; i < 2; i++)
+        scene_assign(scene,
+                     scene_add(scene, v3(-0.2 * i, 0, -2 - 0.1 * i), v3(0.1, 0.05 * i, 1), 0.4), 1);
+    scene_finish(scene);
+    scene->splats.group = mem_zalloc(3, 1);
+    scene->facts.grouping = (struct stp_grouping){ .groups = 1, .overlap = 1 };
+    for (unsigned i = 0; i < sizeof all / sizeof *all; i++)
+        expect_reference(&device, scene, &camera, &all[i], &packed_tolerance, "unlike epsilons");
+    stp_scene_destroy(&scene);
+}
+
 static void test_lights(void **state)
 {
     for (int local = 0; local < 2; local++) {
@@ -144,7 +174,7 @@ int main(void)
         cmocka_unit_test(test_plain),           cmocka_unit_test(test_hdr_colors),
         cmocka_unit_test(test_objects),         cmocka_unit_test(test_lights),
         cmocka_unit_test(test_unknown_normals), cmocka_unit_test(test_eye_dome),
-        cmocka_unit_test(test_background),
+        cmocka_unit_test(test_background),      cmocka_unit_test(test_unlike_epsilons),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -171,8 +171,27 @@ static void test_random_plans(void **state)
     assert_true(made > 1000);
 }
 
+/* Every splat in one pixel: the fixed-point sums of 64 bits hold it, without wasting a bit. */
+static void test_sums_fit(void **state)
+{
+    for (int bits = 0; bits < 26; bits++) {
+        struct inputs in = plain_inputs();
+        color_inputs(&in);
+        in.scene->facts.splats = (size_t)1 << bits;
+        in.scene->facts.color_max = 65504;
+        struct stp_plan *plan = plan_of(&in);
+        double most = (double)in.scene->facts.splats;
+        assert_true(most * plan->frame.sum_scale < 0x1p63);
+        assert_true(most * 65504 * plan->frame.color_scale < 0x1p63);
+        assert_true(plan->frame.sum_scale == 0x1p40f || most * plan->frame.sum_scale >= 0x1p61);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test(test_random_plans) };
+    const struct CMUnitTest tests[] = { cmocka_unit_test(test_random_plans),
+                                        cmocka_unit_test(test_sums_fit) };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

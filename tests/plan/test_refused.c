@@ -97,6 +97,10 @@ static void no_splats(struct inputs *in)
 {
     in->scene->splats.count = 0;
 }
+static void too_many_splats(struct inputs *in)
+{
+    in->scene->splats.count = UINT32_MAX / 3 + 1; /* more vertices than a draw can count */
+}
 
 static const struct {
     void (*set)(struct inputs *in);
@@ -124,6 +128,7 @@ static const struct {
     { little_heap, STP_ERROR_DEVICE_MEMORY, "3000 bytes" },
     { not_prepared, STP_ERROR_ARGUMENT, "prepared" },
     { no_splats, STP_ERROR_ARGUMENT, "splats" },
+    { too_many_splats, STP_ERROR_ARGUMENT, "at most" },
 };
 
 static void test_refused(void **state)
