@@ -91,7 +91,7 @@ static void test_deferred_own_groups(void **state)
 {
     static const enum stp_path paths[] = { STP_PATH_COMPUTE, STP_PATH_RASTER };
     for (int i = 0; i < 2; i++) {
-        struct stp_scene *scene = scene_random(5, 12, 0.05);
+        struct stp_scene *scene = scene_random(5, 8, 0.05);
         scene_own_groups(scene);
         in_every_view(scene,
                       (struct stp_render_params){ .method = STP_METHOD_DEFERRED, .path = paths[i] },
