@@ -10,6 +10,7 @@ VARY(5) ivec2 vary_whole;
 VARY(2) vec4 vary_b; // ab, h
 VARY(3) vec4 vary_c; // q, reach (negative: the disc is clipped)
 VARY(4) vec3 vary_normal;
+VARY(6) uint vary_encoded; // the normal, PACKED
 
 #ifdef FRAGMENT
 // Discards where the pixel's ray misses the splat.

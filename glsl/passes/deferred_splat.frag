@@ -17,14 +17,14 @@ void main()
 {
     Fragment f = fragment_here();
 #ifdef WITH_KEY
-    winner = key_words(f, normal_encode(vary_normal));
+    winner = key_words(f, vary_encoded);
 #else
     winner = uvec2(vary_id);
 #endif
     gl_FragDepth = hardware_depth(f.depth);
     if (VORONOI == 1) {
         float slab = floor((f.depth - frame.depth_low) * frame.slab_scale);
-        float slabs = ceil(frame.slab_scale / frame.raster_scale) + 1;
-        gl_FragDepth = clamp(1 - (slab + 0.999 * min(sqrt(f.rho2), 1)) / slabs, 0, 1);
+        gl_FragDepth =
+            clamp(1 - (slab + 0.999 * min(sqrt(f.rho2), 1)) * frame.raster_slab, 0, 1);
     }
 }

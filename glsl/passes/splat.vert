@@ -7,6 +7,7 @@
 // one around its ellipse on the screen. Fragments decide exactly, so this only has to be wide enough.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
+#include "lib/key.glsl"
 #include "lib/varying.glsl"
 
 const float WIDE = 2.1; // an equilateral triangle of inradius 1 reaches 2
@@ -63,4 +64,5 @@ void main()
     vary_b = vec4(f.ab, f.h);
     vary_c = vec4(f.q, splat_clipped(s, floored) ? -1 : f.reach);
     vary_normal = s.normal;
+    vary_encoded = PACKED ? normal_encode(s.normal) : 0;
 }

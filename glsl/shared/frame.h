@@ -109,6 +109,7 @@ struct stp_frame_constants {
     float color_scale;    /* of colours */
     float raster_near;    /* hardware depth = raster_near / depth, or affine when orthographic */
     float raster_scale;
+    float raster_slab; /* hardware depth of one slab (ZP Eq. 10) */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
 };
 

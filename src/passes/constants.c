@@ -26,7 +26,7 @@ _Static_assert(offsetof(struct stp_frame_constants, rotation64) == 128 &&
                    offsetof(struct stp_frame_constants, rotation) == 256,
                "rotation");
 _Static_assert(offsetof(struct stp_frame_constants, lights) ==
-                   offsetof(struct stp_frame_constants, raster_scale) + 4,
+                   offsetof(struct stp_frame_constants, raster_slab) + 4,
                "lights");
 _Static_assert(sizeof(struct stp_frame_constants) % 4 == 0 &&
                    sizeof(struct stp_frame_constants) < 65536,

@@ -79,6 +79,7 @@ static void quantisation(struct stp_plan *plan)
     f->slab_scale = (float)(1 / epsilon);
     f->raster_near = (float)(plan->camera.orthographic ? high + epsilon : nearest);
     f->raster_scale = (float)(1 / (high - low + 2 * epsilon));
+    f->raster_slab = (float)(1 / (ceil((high - low) / epsilon) + 3));
     struct vec3 size = v3_sub(v3_load(plan->facts.bounds + 3), v3_load(plan->facts.bounds));
     double diagonal = v3_length(size);
     f->eye_dome_scale = diagonal > 0 ? (float)(16 / diagonal) : 0;

@@ -1,4 +1,4 @@
-/* Plans in words, compared with tests/plan/golden/NAME.txt to the byte. To renew them after a
+/* Plans in words, compared with the files of tests/plan/golden to the byte. To renew them after a
  * change that is meant:   STP_WRITE_GOLDENS=1 meson test -C build --suite plan   and read the
  * difference. */
 #include "plans.h"

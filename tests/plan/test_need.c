@@ -92,6 +92,10 @@ static void voronoi_exact(struct inputs *in)
 {
     in->params.voronoi = STP_VORONOI_EXACT;
 }
+static void samples(struct inputs *in)
+{
+    in->params.samples = 5;
+}
 static void gpu(struct inputs *in)
 {
     in->limits.processor = 2;
@@ -129,6 +133,7 @@ static const struct feature {
     { "orthographic", flat, ALL, NULL, NULL, PLAN_ORTHOGRAPHIC, 1 },
     { "eye dome", eye_dome, ALL, NULL, "+eye dome", -1, 0 },
     { "exact Voronoi", voronoi_exact, KEYS, "+nearest", "+nearest", PLAN_VORONOI, 2 },
+    { "samples", samples, EXACT | TWO_PASS | KEYS, NULL, NULL, PLAN_SAMPLE_GRID, 3 },
     { "a GPU", gpu, LAYERS, "-order", "-layer 3", PLAN_LAYERED, 1 },
     { "a GPU", gpu, EXACT | TWO_PASS | TWO_PASS_RASTER | KEYS, NULL, NULL, PLAN_LAYERED, 0 },
     { "no atomics", no_atomics, TWO_PASS, NULL, "+nearest id", PLAN_ATOMIC64, 0 },
@@ -180,8 +185,8 @@ static void test_the_least(void **state)
     in.params.min_splat = -1;
     struct stp_plan *plan = plan_of(&in);
     const uint32_t expected[PLAN_CONSTANTS] = {
-        [PLAN_GROUPS] = 1,    [PLAN_PACKED] = 1,   [PLAN_HEAD_LIGHT] = 1,
-        [PLAN_SQUARINGS] = 5, [PLAN_ATOMIC64] = 1, [PLAN_FLOAT64] = 1
+        [PLAN_GROUPS] = 1,   [PLAN_PACKED] = 1,  [PLAN_HEAD_LIGHT] = 1, [PLAN_SQUARINGS] = 5,
+        [PLAN_ATOMIC64] = 1, [PLAN_FLOAT64] = 1, [PLAN_SAMPLE_GRID] = 1
     };
     assert_memory_equal(plan->constant, expected, sizeof expected);
     assert_int_equal(resource_named(plan, "materials")->bytes, 32);
@@ -190,13 +195,29 @@ static void test_the_least(void **state)
     release_inputs(&in);
 }
 
-/* As many layers, keys and passes as there are groups, and slabs only where c < 1. */
+/* By default: slabs where c < 1 and by the rasteriser, else the exact way. */
+static void test_voronoi(void **state)
+{
+    for (int i = 0; i < 4; i++) {
+        struct inputs in = plain_inputs();
+        in.params.method = STP_METHOD_DEFERRED;
+        in.params.path = i & 1 ? STP_PATH_RASTER : STP_PATH_COMPUTE;
+        in.scene->facts.grouping.overlap = i & 2 ? 1 : 0.9;
+        struct stp_plan *plan = plan_of(&in);
+        assert_int_equal(plan->constant[PLAN_VORONOI], i == 2 ? 2 : 1);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
+/* As many layers, keys and passes as there are groups. */
 static void test_groups(void **state)
 {
     for (unsigned groups = 1; groups <= STP_MAX_GROUPS; groups += 9) {
         struct inputs in = plain_inputs();
         in.params.method = STP_METHOD_DEFERRED;
         in.params.payload = STP_PAYLOAD_ID;
+        in.params.voronoi = STP_VORONOI_OFF;
         in.scene->facts.grouping = (struct stp_grouping){ .groups = groups, .overlap = 1 };
         for (size_t i = 0; i < in.scene->splats.count; i++)
             in.scene->splats.group[i] = (uint8_t)(i % groups);
@@ -257,9 +278,9 @@ static void test_payload(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_features), cmocka_unit_test(test_the_least),
-        cmocka_unit_test(test_groups),   cmocka_unit_test(test_squarings),
-        cmocka_unit_test(test_payload),
+        cmocka_unit_test(test_features),  cmocka_unit_test(test_the_least),
+        cmocka_unit_test(test_voronoi),   cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_squarings), cmocka_unit_test(test_payload),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

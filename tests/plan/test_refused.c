@@ -71,9 +71,15 @@ static void focal_length_nan(struct inputs *in)
 {
     in->camera.fy = NAN;
 }
-static void samples(struct inputs *in)
+static void samples_by_raster(struct inputs *in)
 {
+    in->params.method = STP_METHOD_TWO_PASS;
+    in->params.path = STP_PATH_RASTER;
     in->params.samples = 4;
+}
+static void too_many_samples(struct inputs *in)
+{
+    in->params.samples = 65537;
 }
 static void little_memory(struct inputs *in)
 {
@@ -116,7 +122,8 @@ static const struct {
     { near_is_nan, STP_ERROR_ARGUMENT, "near < far" },
     { no_focal_length, STP_ERROR_ARGUMENT, "focal" },
     { focal_length_nan, STP_ERROR_ARGUMENT, "focal" },
-    { samples, STP_ERROR_ARGUMENT, "reference" },
+    { samples_by_raster, STP_ERROR_ARGUMENT, "one sample" },
+    { too_many_samples, STP_ERROR_ARGUMENT, "65537" },
     { little_memory, STP_ERROR_DEVICE_MEMORY, "tile" },
     { little_heap, STP_ERROR_DEVICE_MEMORY, "3000 bytes" },
     { not_prepared, STP_ERROR_ARGUMENT, "prepared" },
