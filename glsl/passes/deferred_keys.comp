@@ -16,7 +16,7 @@ uint splat_encode(Splat s)
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
     uint layer = pixel * K + splat_group(s);
-    if (VORONOI == 2 && f.depth > depth_ordered(frame.nearest.v[layer]) + object_epsilon(id))
+    if (VORONOI == 2 && f.depth > depth_ordered(frame.nearest.v[layer]) + frame.epsilon)
         return;
     uint64_t key = PACKED ? key_packed(f, encoded) : key_id(f, id);
     atomicMin(frame.keys.v[layer], key);
