@@ -41,13 +41,11 @@ layout(constant_id = 14) const uint AOVS = 0;            // bit 0 albedo and wei
 layout(constant_id = 15) const uint SQUARINGS = 5;       // shininess = 2^SQUARINGS; 32: any
 layout(constant_id = 16) const bool REPAIR = false;      // two-pass code on overflowed pixels only
 layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside packed slots
-layout(constant_id = 18) const bool ATOMIC64 = true;
-layout(constant_id = 19) const bool LAYERED = false;     // raster: gl_Layer from the vertex shader
-// constant_id 20 chooses the modules compiled WITH_FLOAT64
+// 18 to 20 (64-bit atomics, gl_Layer from the vertex shader, doubles) choose modules, not code.
 layout(constant_id = 21) const uint SAMPLE_GRID = 1;     // the picture is the mean of SAMPLES
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
 const uint ID_WORDS = SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS;
 
-layout(push_constant) uniform Push { uint push_layer; uint push_first; uint push_sample; };
+layout(push_constant) uniform Push { uint push_first; uint push_sample; };

@@ -27,6 +27,13 @@ vec3 camera_point(vec2 pixel, float depth)
     return ORTHOGRAPHIC ? vec3(d, depth) : vec3(d, 1) * depth;
 }
 
+// A light on the surface itself gives no direction: no diffuse term, as in the reference.
+vec3 unit_or_zero(vec3 v)
+{
+    float length2 = dot(v, v);
+    return length2 > 0 ? v * inversesqrt(length2) : vec3(0);
+}
+
 vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)
 {
     if (HEAD_LIGHT && !LOCAL_VIEWER) {
@@ -40,7 +47,7 @@ vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)
                        frame.lights[i].position[2]);
         vec3 light = vec3(frame.lights[i].color[0], frame.lights[i].color[1],
                           frame.lights[i].color[2]);
-        vec3 l = frame.lights[i].positional != 0 ? normalize(at - p) : at;
+        vec3 l = frame.lights[i].positional != 0 ? unit_or_zero(at - p) : at;
         vec3 h = l + view;
         float length2 = dot(h, h);
         float c = length2 > 0 ? max(0, dot(n, h) * inversesqrt(length2)) : 0;

@@ -196,13 +196,12 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
     VkViewport viewport = { .width = (float)tile->width,
                             .height = (float)tile->height,
                             .maxDepth = 1 };
-    uint32_t push[2] = { pass->layer, pass->first_splat };
     context->vk.vkCmdBeginRendering(commands, &rendering);
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     context->vk.vkCmdPushConstants(commands, resources->layout,
                                    VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
                                        VK_SHADER_STAGE_FRAGMENT_BIT,
-                                   0, sizeof push, push);
+                                   0, sizeof pass->first_splat, &pass->first_splat);
     context->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
     context->vk.vkCmdSetScissor(commands, 0, 1, &area);
     if (pass->splat_count)

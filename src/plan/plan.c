@@ -8,7 +8,8 @@
 #define MOST_SPLATS  (UINT32_MAX / 3) /* a draw counts three vertices a splat */
 
 static enum stp_result check(const struct stp_env *env, const struct stp_scene *scene,
-                             const struct stp_camera *camera, unsigned samples)
+                             const struct stp_camera *camera,
+                             const struct stp_render_params *params)
 {
     if (!scene->prepared || scene->splats.count == 0)
         return log_error(env, STP_ERROR_ARGUMENT, "a plan needs a prepared scene with splats");
@@ -16,12 +17,15 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
         camera->height > 65536)
         return log_error(env, STP_ERROR_ARGUMENT, "%u x %u is no size that can be rendered",
                          camera->width, camera->height);
+    if (params->epsilon != 0 && !(params->epsilon >= 1e-30 && params->epsilon <= 1e30))
+        return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g is not in 1e-30 .. 1e30",
+                         params->epsilon);
     if (!(camera->fx > 0) || !(camera->fy > 0) || !(camera->near_depth < camera->far_depth) ||
         (!camera->orthographic && !(camera->near_depth > 0)))
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the camera needs positive focal lengths and 0 < near < far");
-    if (samples > MOST_SAMPLES)
-        return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", samples,
+    if (params->samples > MOST_SAMPLES)
+        return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", params->samples,
                          MOST_SAMPLES);
     if (scene->splats.count > MOST_SPLATS)
         return log_error(env, STP_ERROR_ARGUMENT, "%zu splats: at most %u", scene->splats.count,
@@ -56,7 +60,7 @@ enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scen
                                 const struct stp_render_params *params,
                                 const struct stp_limits *limits, struct stp_plan **plan)
 {
-    enum stp_result result = check(env, scene, camera, params->samples);
+    enum stp_result result = check(env, scene, camera, params);
     if (result != STP_OK)
         return result;
     struct stp_plan *made = mem_zalloc(1, sizeof *made);

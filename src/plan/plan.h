@@ -9,7 +9,7 @@
 
 #define PLAN_MAX_RESOURCES 32
 #define PLAN_MAX_PASSES    72 /* STP_MAX_GROUPS layers, and what comes after them */
-#define PLAN_MAX_ACCESSES  12
+#define PLAN_MAX_ACCESSES  16
 #define PLAN_NONE          255
 
 /* Specialisation constants; the order of glsl/lib/common.glsl. */

@@ -89,5 +89,8 @@ char *stp_plan_print(const struct stp_plan *plan)
     if (!out)
         return NULL;
     print(out, plan);
-    return fclose(out) == 0 ? text : NULL;
+    if (fclose(out) == 0)
+        return text;
+    free(text);
+    return NULL;
 }

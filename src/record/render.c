@@ -155,6 +155,24 @@ static enum stp_result run(const struct stp_env *env, struct record_frame *frame
     return result;
 }
 
+/* What the plan's shaders were chosen for must be enabled on this device. */
+static enum stp_result check_features(const struct stp_env *env, const struct stp_context *context,
+                                      const struct stp_plan *plan)
+{
+    const struct {
+        uint32_t used;
+        enum stp_feature feature;
+    } needs[] = { { plan->constant[PLAN_FLOAT64], STP_FEATURE_FLOAT64 },
+                  { plan->constant[PLAN_LAYERED], STP_FEATURE_VERTEX_LAYER },
+                  { plan->path == STP_PATH_COMPUTE && plan->constant[PLAN_ATOMIC64],
+                    STP_FEATURE_INT64_ATOMICS } };
+    for (unsigned i = 0; i < sizeof needs / sizeof *needs; i++)
+        if (needs[i].used && !(context->limits.features & needs[i].feature))
+            return log_error(env, STP_ERROR_FEATURE, "the plan uses %s, which %s lacks",
+                             stp_feature_name(needs[i].feature), context->limits.device);
+    return STP_OK;
+}
+
 static enum stp_result render_on_device(const struct stp_env *env, struct stp_context *context,
                                         const struct stp_scene *scene, const struct stp_plan *plan,
                                         unsigned repeat, struct stp_image **image,
@@ -162,6 +180,9 @@ static enum stp_result render_on_device(const struct stp_env *env, struct stp_co
 {
     struct record_frame frame;
     struct stp_image *made = NULL;
+    enum stp_result usable = check_features(env, context, plan);
+    if (usable != STP_OK)
+        return usable;
     context->env = env;
     enum stp_result result = record_picture(env, scene, plan, &made);
     double start = now_ms();
