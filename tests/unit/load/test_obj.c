@@ -18,7 +18,7 @@ static void test_vertices(void **state)
         assert_string_equal(c.format, "OBJ");
         assert_true(!c.normal && !c.color);
         for (int k = 0; k < 6; k++)
-            assert_true(c.position[0][k] == k + 1);
+            assert_true(c.position[k / 3][k % 3] == k + 1);
         cloud_release(&c);
     }
 }

@@ -169,7 +169,7 @@ static void test_header_dialects(void **state)
         assert_int_equal(cloud.count, 2);
         assert_string_equal(cloud.format, "PLY ascii");
         for (int i = 0; i < 6; i++)
-            assert_true(cloud.position[0][i] == i + 1);
+            assert_true(cloud.position[i / 3][i % 3] == i + 1);
         cloud_release(&cloud);
     }
 }

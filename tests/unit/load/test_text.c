@@ -15,7 +15,7 @@ static void expect_123456(struct cloud cloud)
     assert_int_equal(cloud.count, 2);
     assert_string_equal(cloud.format, "text");
     for (int i = 0; i < 6; i++)
-        assert_true(cloud.position[0][i] == i + 1);
+        assert_true(cloud.position[i / 3][i % 3] == i + 1);
     cloud_release(&cloud);
 }
 
@@ -105,7 +105,7 @@ static void test_names(void **state)
                                "3,1,2,7,0,128,255,0,0,5,0.5\n6,4,5,8,0,0,0,1,0,0,0.25\n";
     struct cloud c = read_text(text);
     for (int i = 0; i < 6; i++)
-        assert_true(c.position[0][i] == i + 1);
+        assert_true(c.position[i / 3][i % 3] == i + 1);
     assert_true(c.color[0][0] == 1 && c.color[0][2] == 0 && c.normal[0][2] == 5);
     cloud_release(&c);
     c = read_by(text, "Reflectance");
@@ -179,7 +179,7 @@ static void test_off(void **state)
         assert_string_equal(c.format, "OFF");
         assert_true(!c.normal && !c.color);
         for (int k = 0; k < 6; k++)
-            assert_true(c.position[0][k] == k + 1);
+            assert_true(c.position[k / 3][k % 3] == k + 1);
         cloud_release(&c);
     }
 }
