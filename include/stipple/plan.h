@@ -48,6 +48,7 @@ enum stp_feature {
     STP_FEATURE_FLOAT32_BLEND = 4, /* blending into R32G32B32A32_SFLOAT */
     STP_FEATURE_INT64 = 8,         /* shaderInt64 */
     STP_FEATURE_FLOAT64 = 16,      /* shaderFloat64: centres are projected in double */
+    STP_FEATURE_SHARED_MEMORY = 32, /* device memory that the host may write: nothing is staged */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);

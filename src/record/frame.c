@@ -13,7 +13,7 @@ static enum stp_result make_resources(const struct stp_env *env, struct record_f
                 ? gpu_buffer_create(env, frame->context, r->bytes, GPU_DEVICE, r->name,
                                     &frame->resources.buffer[i])
                 : gpu_image_create(env, frame->context, pass_format(r->format), r->width, r->height,
-                                   r->layers, r->name, &frame->resources.image[i]);
+                                   r->layers, NULL, r->name, &frame->resources.image[i]);
         if (result == STP_OK && r->lifetime == PLAN_OUTPUT && !frame->resources.buffer[i].mapped)
             result = gpu_buffer_create(env, frame->context, r->bytes, GPU_READ_BACK, r->name,
                                        &frame->read_back[i]);

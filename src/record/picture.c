@@ -166,7 +166,7 @@ static void invalidate(struct record_frame *frame)
         if (frame->plan->resource[i].lifetime != PLAN_OUTPUT || b->coherent)
             continue;
         VkMappedMemoryRange range = { .sType = VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE,
-                                      .memory = b->memory,
+                                      .memory = b->memory.where.memory,
                                       .size = VK_WHOLE_SIZE };
         c->vk.vkInvalidateMappedMemoryRanges(c->device, 1, &range);
     }
