@@ -126,11 +126,12 @@ struct stp_host_frame_params {
     bool depth_reversed;   /* nearer is larger */
     bool depth_read_only;  /* test against the host's depth, do not write it */
     enum stp_composite composite;
-    /* Scratch memory of the host's, of stp_frame_scratch's size; no other frame may use it until the
-     * commands recorded with this one are done, or begin. NULL: from the context's allocator. */
+    /* Scratch memory of the host's, of stp_frame_scratch's size; no other frame may use it until
+     * the commands recorded with this one are done, or begin. NULL: from the context's allocator.
+     */
     const struct stp_device_memory *scratch;
-    /* A frame of an equal plan and equal params whose pipelines this one shares, whichever of them is
-     * destroyed first. NULL: all pipelines are compiled now, none later. */
+    /* A frame of an equal plan and equal params whose pipelines this one shares, whichever of them
+     * is destroyed first. NULL: all pipelines are compiled now, none later. */
     const struct stp_frame *share;
 };
 /* What a frame's scratch memory needs; memoryTypeBits is 0 where no one type holds all of it. */
@@ -148,7 +149,8 @@ STP_API void stp_frame_destroy(struct stp_frame **frame);
 /* One level and layer of an image of the host's. */
 struct stp_host_image {
     VkImage image;
-    VkImageView view; /* 2D, of that level and layer; color: of the format of stp_host_frame_params */
+    VkImageView
+        view; /* 2D, of that level and layer; color: of the format of stp_host_frame_params */
     VkImageLayout before, after; /* `after` not UNDEFINED; both may be the same */
     uint32_t level, layer;
 };

@@ -22,9 +22,9 @@ struct gpu_memory_part {
     bool ours, coherent;
 };
 
-/* Memory that is handed out from its beginning, and belongs to somebody else. */
+/* Memory that is handed out from its beginning. part.ours: allocated by gpu_block_create. */
 struct gpu_block {
-    struct stp_device_memory where;
+    struct gpu_memory_part part;
     VkDeviceSize used;
 };
 
@@ -109,6 +109,14 @@ enum gpu_memory {
 enum stp_result gpu_buffer_create(const struct stp_env *env, struct stp_context *context,
                                   VkDeviceSize bytes, enum gpu_memory kind, const char *what,
                                   struct gpu_buffer *buffer);
+/* One allocation for many resources; resources that were placed in it go first. */
+enum stp_result gpu_block_create(const struct stp_env *env, struct stp_context *context,
+                                 const VkMemoryRequirements *needs, enum gpu_memory kind,
+                                 const char *what, struct gpu_block *block);
+void gpu_block_destroy(struct stp_context *context, struct gpu_block *block);
+/* Adds a resource to what a block must hold; the sum starts with all memoryTypeBits. */
+void gpu_needs_add(const struct stp_context *context, const VkMemoryRequirements *needs,
+                   VkMemoryRequirements *sum);
 /* Of device memory, from the block. */
 enum stp_result gpu_buffer_place(const struct stp_env *env, struct stp_context *context,
                                  VkDeviceSize bytes, struct gpu_block *block, const char *what,

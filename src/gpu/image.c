@@ -44,13 +44,13 @@ static enum stp_result back_image(const struct stp_env *env, struct stp_context 
     if (block)
         image->memory = memory_take(context, block, &needs);
     else {
-        enum stp_result result = memory_allocate(env, context, &needs, GPU_DEVICE, what, &image->memory);
+        enum stp_result result =
+            memory_allocate(env, context, &needs, GPU_DEVICE, what, &image->memory);
         if (result != STP_OK)
             return result;
     }
-    VkResult status =
-        context->vk.vkBindImageMemory(context->device, image->handle, image->memory.where.memory,
-                                      image->memory.where.offset);
+    VkResult status = context->vk.vkBindImageMemory(
+        context->device, image->handle, image->memory.where.memory, image->memory.where.offset);
     return status == VK_SUCCESS ? STP_OK : gpu_error(env, status, "vkBindImageMemory");
 }
 
@@ -84,8 +84,7 @@ VkMemoryRequirements gpu_image_needs(const struct stp_context *context, VkFormat
 
 enum stp_result gpu_image_create(const struct stp_env *env, struct stp_context *context,
                                  VkFormat format, uint32_t width, uint32_t height, uint32_t layers,
-                                 struct gpu_block *block, const char *what,
-                                 struct gpu_image *image)
+                                 struct gpu_block *block, const char *what, struct gpu_image *image)
 {
     bool depth = format == VK_FORMAT_D32_SFLOAT;
     struct gpu_image made = { .layer_count = layers,

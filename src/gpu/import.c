@@ -23,10 +23,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_import 
         if (!needed[i].given)
             return log_error(env, STP_ERROR_ARGUMENT, "stp_context_import: no %s", needed[i].name);
     if (import->api_version < VK_API_VERSION_1_3)
-        return log_error(env, STP_ERROR_FEATURE,
-                         "the host's instance is of Vulkan %u.%u; 1.3 is required",
-                         VK_API_VERSION_MAJOR(import->api_version),
-                         VK_API_VERSION_MINOR(import->api_version));
+        return log_error(
+            env, STP_ERROR_FEATURE, "the host's instance is of Vulkan %u.%u; 1.3 is required",
+            VK_API_VERSION_MAJOR(import->api_version), VK_API_VERSION_MINOR(import->api_version));
     return STP_OK;
 }
 
@@ -51,7 +50,9 @@ static enum stp_result load(const struct stp_env *env, const struct stp_import *
 static enum stp_result check_queue(const struct stp_env *env, const struct stp_context *context)
 {
     VkQueueFamilyProperties families[32];
-    uint32_t count = 32;
+    uint32_t count = 0;
+    context->instance.vk.vkGetPhysicalDeviceQueueFamilyProperties(context->physical, &count, NULL);
+    count = count < 32 ? count : 32;
     context->instance.vk.vkGetPhysicalDeviceQueueFamilyProperties(context->physical, &count,
                                                                   families);
     VkQueueFlags wanted = VK_QUEUE_GRAPHICS_BIT | VK_QUEUE_COMPUTE_BIT;

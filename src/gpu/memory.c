@@ -60,6 +60,9 @@ void memory_release(struct stp_context *context, struct gpu_memory_part *part)
     *part = (struct gpu_memory_part){ 0 };
 }
 
+/* Hosts count allocations, and best practice asks for few and large ones. */
+#define LEAST_OF_A_HOST ((VkDeviceSize)1 << 20)
+
 enum stp_result memory_allocate(const struct stp_env *env, struct stp_context *context,
                                 const VkMemoryRequirements *needs, enum gpu_memory kind,
                                 const char *what, struct gpu_memory_part *part)
@@ -68,9 +71,12 @@ enum stp_result memory_allocate(const struct stp_env *env, struct stp_context *c
     VkMemoryPropertyFlags flags = context->memory.memoryTypes[type].propertyFlags;
     bool map = kind != GPU_DEVICE || is_shared(context, flags);
     struct gpu_memory_part made = { .ours = true };
+    VkMemoryRequirements padded = *needs;
+    if (context->imported && padded.size < LEAST_OF_A_HOST)
+        padded.size = LEAST_OF_A_HOST;
     const struct stp_device_allocator *host = &context->allocator;
-    VkResult result = host->allocate ? host->allocate(host->user, needs, type, &made.where)
-                                     : allocate_own(context, needs, type, map, &made);
+    VkResult result = host->allocate ? host->allocate(host->user, &padded, type, &made.where)
+                                     : allocate_own(context, &padded, type, map, &made);
     if (result == VK_SUCCESS && kind != GPU_DEVICE && !made.where.mapped)
         result = VK_ERROR_MEMORY_MAP_FAILED;
     if (result != VK_SUCCESS) {
@@ -79,14 +85,14 @@ enum stp_result memory_allocate(const struct stp_env *env, struct stp_context *c
         return log_error(env, STP_ERROR_DEVICE_MEMORY,
                          "%s has no %llu bytes left for %s (%llu are in use); a smaller --size or "
                          "--tile-memory may fit",
-                         context->limits.device, (unsigned long long)needs->size, what,
+                         context->limits.device, (unsigned long long)padded.size, what,
                          (unsigned long long)context->allocated);
     }
-    made.bytes = needs->size;
+    made.bytes = padded.size;
     made.coherent = (flags & VK_MEMORY_PROPERTY_HOST_COHERENT_BIT) != 0;
     if (!map)
         made.where.mapped = NULL;
-    context->allocated += needs->size;
+    context->allocated += padded.size;
     if (context->allocated > context->peak)
         context->peak = context->allocated;
     *part = made;
@@ -96,12 +102,42 @@ enum stp_result memory_allocate(const struct stp_env *env, struct stp_context *c
 struct gpu_memory_part memory_take(const struct stp_context *context, struct gpu_block *block,
                                    const VkMemoryRequirements *needs)
 {
-    VkDeviceSize align = needs->alignment > context->granularity ? needs->alignment
-                                                                 : context->granularity;
+    VkDeviceSize align = memory_alignment(context, needs);
     VkDeviceSize at = (block->used + align - 1) / align * align;
     block->used = at + needs->size;
-    struct gpu_memory_part part = { .where = block->where, .bytes = needs->size };
+    struct gpu_memory_part part = block->part;
+    part.ours = false;
+    part.bytes = needs->size;
     part.where.offset += at;
-    part.where.mapped = NULL;
+    if (part.where.mapped)
+        part.where.mapped = (char *)part.where.mapped + at;
     return part;
+}
+
+VkDeviceSize memory_alignment(const struct stp_context *context, const VkMemoryRequirements *needs)
+{
+    return needs->alignment > context->granularity ? needs->alignment : context->granularity;
+}
+
+void gpu_needs_add(const struct stp_context *context, const VkMemoryRequirements *needs,
+                   VkMemoryRequirements *sum)
+{
+    VkDeviceSize align = memory_alignment(context, needs);
+    sum->size = (sum->size + align - 1) / align * align + needs->size;
+    sum->alignment = align > sum->alignment ? align : sum->alignment;
+    sum->memoryTypeBits &= needs->memoryTypeBits;
+}
+
+enum stp_result gpu_block_create(const struct stp_env *env, struct stp_context *context,
+                                 const VkMemoryRequirements *needs, enum gpu_memory kind,
+                                 const char *what, struct gpu_block *block)
+{
+    *block = (struct gpu_block){ 0 };
+    return memory_allocate(env, context, needs, kind, what, &block->part);
+}
+
+void gpu_block_destroy(struct stp_context *context, struct gpu_block *block)
+{
+    memory_release(context, &block->part);
+    *block = (struct gpu_block){ 0 };
 }

@@ -92,10 +92,10 @@ static void test_missing(void **state)
 static void test_feature_names(void **state)
 {
     static const char *const names[] = { "int64-atomics", "vertex-layer", "float32-blend", "int64",
-                                         "float64" };
-    for (unsigned i = 0; i < 5; i++)
+                                         "float64", "shared-memory" };
+    for (unsigned i = 0; i < 6; i++)
         assert_string_equal(stp_feature_name((enum stp_feature)(1 << i)), names[i]);
-    assert_null(stp_feature_name((enum stp_feature)32));
+    assert_null(stp_feature_name((enum stp_feature)64));
     assert_null(stp_feature_name((enum stp_feature)3));
 }
 
