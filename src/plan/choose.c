@@ -8,15 +8,18 @@
 #define LEAST_DEPTH_BITS 8      /* packed keys: epsilon is at least 2^8 quantised steps */
 #define MOST_SLABS       262142 /* keys with ids hold 18 bits of slab */
 
-static enum stp_method resolve_method(const struct stp_render_params *params)
+static enum stp_method resolve_method(const struct stp_facts *facts,
+                                      const struct stp_render_params *params)
 {
-    return params->method == STP_METHOD_AUTO ? STP_METHOD_EXACT : params->method;
+    if (params->method == STP_METHOD_AUTO)
+        return facts->volume.dims[0] ? STP_METHOD_REFERENCE : STP_METHOD_EXACT;
+    return params->method;
 }
 
 bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
                            const struct stp_limits *limits)
 {
-    return resolve_method(params) == STP_METHOD_DEFERRED;
+    return !facts->volume.dims[0] && resolve_method(facts, params) == STP_METHOD_DEFERRED;
 }
 
 static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *plan)
@@ -131,11 +134,15 @@ static void explain(struct stp_plan *plan)
 
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
 {
-    plan->method = resolve_method(&plan->params);
+    plan->method = resolve_method(&plan->facts, &plan->params);
     if (plan->method == STP_METHOD_REFERENCE) {
         explain(plan);
         return STP_OK;
     }
+    if (plan->facts.volume.dims[0])
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method %s draws surfaces; a volume takes --method reference",
+                         stp_method_name(plan->method));
     if (plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the deferred method needs stp_scene_group before its plan");
