@@ -8,11 +8,14 @@ import command
 SIDE = 16
 
 
-def ball(radius=5.5):
-    """uint8, 200 within a ball and a little noise without."""
-    return bytes(200 if sum((c - (SIDE - 1) / 2) ** 2 for c in (i % SIDE, i // SIDE % SIDE,
-                                                               i // SIDE // SIDE)) < radius ** 2
-                 else i * 7 % 5 for i in range(SIDE ** 3))
+def ball():
+    """uint8: 200 within a ball, 90 in a shell around it, a little noise without."""
+    values = []
+    for i in range(SIDE ** 3):
+        place = (i % SIDE, i // SIDE % SIDE, i // SIDE // SIDE)
+        r2 = sum((c - (SIDE - 1) / 2) ** 2 for c in place)
+        values.append(200 if r2 < 4 ** 2 else 90 if r2 < 5.5 ** 2 else i * 7 % 5)
+    return bytes(values)
 
 
 class Volume(command.CommandTest):
@@ -32,12 +35,13 @@ class Volume(command.CommandTest):
         self.assertEqual(self.read("a.exr"), self.read("c.exr"))
 
     def test_info(self):
-        told = self.done_json("info", "--json", "ball.raw", *self.dims, "--volume-spacing", "1,1,2")
+        told = self.done_json("info", "--json", "ball.raw", *self.dims, "--volume-spacing", "1,1,2",
+                              "--transfer-function", "bone")
         volume = told[0]["volume"]
         self.assertEqual(volume["dims"], [SIDE] * 3)
         self.assertEqual(volume["spacing"], [1, 1, 2])
         self.assertEqual((volume["low"], volume["high"]), (0, 200))
-        self.assertEqual(told[0]["splats"], sum(v == 200 for v in ball()))
+        self.assertEqual(told[0]["splats"], sum(v >= 90 for v in ball()))
         self.assertIn("kernels", self.done("info", "ball.raw", *self.dims))
 
     def test_transfer_functions_change_the_picture(self):
