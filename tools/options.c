@@ -215,10 +215,11 @@ const struct option_spec option_table[] = {
       "built-in profile of Mesa's software device)",
       value_text, AT(limits), "the name of a file", 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
-      "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64; may "
-      "be repeated (default: none)",
+      "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
+      "float64, storage-formats; may be repeated (default: none)",
       value_features, AT(render.mask_features),
-      "names of int64-atomics, vertex-layer, float32-blend, int64 with commas between", 0, 0,
+      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats with "
+      "commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,
       "run under the Vulkan validation layers; any message is a failure (default: off)",

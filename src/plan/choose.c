@@ -77,6 +77,7 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
 {
     unsigned features = plan->limits.features;
     bool atomics = (features & STP_FEATURE_INT64_ATOMICS) != 0;
+    bool formats = (features & STP_FEATURE_STORAGE_FORMATS) != 0;
     enum stp_path path = plan->params.path;
     unsigned samples = plan_samples(plan);
     if (path == STP_PATH_RASTER && samples > 1)
@@ -85,18 +86,22 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
                          "compute",
                          samples);
     if (path == STP_PATH_AUTO) {
-        bool raster = plan->method == STP_METHOD_DEFERRED && !atomics && samples == 1;
+        bool raster = plan->method == STP_METHOD_DEFERRED && !atomics && formats && samples == 1;
         path = raster ? STP_PATH_RASTER : STP_PATH_COMPUTE;
     }
     if (path == STP_PATH_RASTER && plan->method == STP_METHOD_EXACT)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "method exact has no raster path; ask for compute, or for two-pass");
+    if (path == STP_PATH_RASTER && !formats)
+        return log_error(env, STP_ERROR_FEATURE,
+                         "--path raster needs shaderStorageImageExtendedFormats, which the device "
+                         "lacks; use --path compute");
     if (path == STP_PATH_COMPUTE && plan->method == STP_METHOD_DEFERRED && !atomics)
         return log_error(env, STP_ERROR_FEATURE,
                          "deferred --path compute%s needs shaderBufferInt64Atomics, which the "
                          "device lacks; use %s--method exact",
                          samples > 1 ? ", which several samples take," : "",
-                         samples > 1 ? "" : "--path raster or ");
+                         samples > 1 || !formats ? "" : "--path raster or ");
     if (path == STP_PATH_RASTER && plan->method == STP_METHOD_TWO_PASS &&
         !(features & STP_FEATURE_FLOAT32_BLEND))
         return log_error(env, STP_ERROR_FEATURE,
