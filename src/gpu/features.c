@@ -14,7 +14,6 @@
 /* The order of `features`. */
 static const struct stp_vulkan_feature list[] = {
     { "shaderInt64", true, NULL },
-    { "shaderStorageImageExtendedFormats", true, NULL },
     { "bufferDeviceAddress", true, NULL },
     { "scalarBlockLayout", true, NULL },
     { "dynamicRendering", true, NULL },
@@ -23,6 +22,7 @@ static const struct stp_vulkan_feature list[] = {
     { "shaderBufferInt64Atomics", false, "exact sums in 32-bit atomics; deferred by rasteriser" },
     { "shaderOutputLayer", false, "the deferred rasteriser takes a pass a group" },
     { "shaderFloat64", false, "centres are projected in float" },
+    { "shaderStorageImageExtendedFormats", false, "compute paths only" },
 };
 #define FEATURES (sizeof list / sizeof *list)
 
@@ -31,7 +31,6 @@ static const struct {
     enum stp_feature feature;
 } features[FEATURES] = {
     { CORE(shaderInt64), STP_FEATURE_INT64 },
-    { CORE(shaderStorageImageExtendedFormats), 0 },
     { V12(bufferDeviceAddress), 0 },
     { V12(scalarBlockLayout), 0 },
     { V13(dynamicRendering), 0 },
@@ -40,6 +39,7 @@ static const struct {
     { V12(shaderBufferInt64Atomics), STP_FEATURE_INT64_ATOMICS },
     { V12(shaderOutputLayer), STP_FEATURE_VERTEX_LAYER },
     { CORE(shaderFloat64), STP_FEATURE_FLOAT64 },
+    { CORE(shaderStorageImageExtendedFormats), STP_FEATURE_STORAGE_FORMATS },
 };
 
 static VkBool32 *field(struct stp_vulkan_features *f, unsigned i)
