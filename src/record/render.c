@@ -84,7 +84,9 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
         double end = now_ms();
         *ms += end - start;
         if (image) {
-            record_read_back(frame, scene, &plan->tile[i], image);
+            result = record_read_back(env, frame, scene, &plan->tile[i], image);
+            if (result != STP_OK)
+                return result;
             *read_back_ms += now_ms() - end;
             log_progress(env, "render", (i + 1.0) / plan->tile_count);
         }
