@@ -34,8 +34,8 @@ class Faults(command.CommandTest):
             "LD_LIBRARY_PATH": os.path.dirname(LOADER), "FAULT_AT": str(at), "FAULT_STICKY": "1",
             "FAULT_CHOICE": str(choice), "FAULT_REPORT": self.path("report.txt")})
 
-    def one_line(self, run, what):
-        self.assertEqual(run.returncode, 1, (what, run.stderr))
+    def one_line(self, run, what, allowed=(1,)):
+        self.assertIn(run.returncode, allowed, (what, run.stderr))
         self.assertEqual(run.stderr.count("\n"), 1, (what, run.stderr))
         self.assertTrue(run.stderr.startswith("stipple: "), (what, run.stderr))
 
@@ -113,7 +113,7 @@ class Faults(command.CommandTest):
         what = (at, arguments)
         self.old_or_whole(whole, what)
         if run.returncode != 0:
-            self.one_line(run, what)
+            self.one_line(run, what, (1, 3))  # OpenEXR takes a lack of memory for a damaged file
         else:
             self.assertEqual(run.stderr, "", what)
             for name in OLD:
@@ -123,12 +123,14 @@ class Faults(command.CommandTest):
         """The first forty and then every stride-th. Some are of no consequence (a buffer of
         stdio's), and then what is done is what is always done."""
         env = {"LD_PRELOAD": ALLOCATOR, "ALLOCATION_REPORT": self.path("count")}
+        for name, content in OLD.items():
+            self.write(name, content)
         self.done(*arguments, env=env)
         count = int(self.read("count"))
         os.unlink(self.path("count"))
         whole = self.listing()
         self.assertGreater(count, 30)
-        for at in [*range(1, count+1)]:
+        for at in [*range(1, 40), *range(40, count + 1, stride)]:
             self.fail_allocation(at, whole, arguments)
 
     def test_allocations(self):
