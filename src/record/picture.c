@@ -168,9 +168,9 @@ static enum stp_result invalidate(const struct stp_env *env, struct record_frame
         VkMappedMemoryRange range = { .sType = VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE,
                                       .memory = b->memory,
                                       .size = VK_WHOLE_SIZE };
-        VkResult result = c->vk.vkInvalidateMappedMemoryRanges(c->device, 1, &range);
-        if (result != VK_SUCCESS)
-            return gpu_error(env, result, "vkInvalidateMappedMemoryRanges");
+        VkResult status = c->vk.vkInvalidateMappedMemoryRanges(c->device, 1, &range);
+        if (status != VK_SUCCESS)
+            return gpu_error(env, status, "vkInvalidateMappedMemoryRanges");
     }
     return STP_OK;
 }

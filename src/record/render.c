@@ -166,6 +166,7 @@ static enum stp_result check_features(const struct stp_env *env, const struct st
         enum stp_feature feature;
     } needs[] = { { plan->constant[PLAN_FLOAT64], STP_FEATURE_FLOAT64 },
                   { plan->constant[PLAN_LAYERED], STP_FEATURE_VERTEX_LAYER },
+                  { plan->path == STP_PATH_RASTER, STP_FEATURE_STORAGE_FORMATS },
                   { plan->path == STP_PATH_COMPUTE && plan->constant[PLAN_ATOMIC64],
                     STP_FEATURE_INT64_ATOMICS } };
     for (unsigned i = 0; i < sizeof needs / sizeof *needs; i++)
