@@ -80,8 +80,11 @@ enum stp_result memory_allocate(const struct stp_env *env, struct stp_context *c
     if (result == VK_SUCCESS && kind != GPU_DEVICE && !made.where.mapped)
         result = VK_ERROR_MEMORY_MAP_FAILED;
     if (result != VK_SUCCESS) {
+        const char *call = made.where.memory ? "vkMapMemory" : "vkAllocateMemory";
         if (!host->allocate)
             memory_release(context, &made);
+        if (result != VK_ERROR_OUT_OF_DEVICE_MEMORY)
+            return gpu_error(env, result, call);
         return log_error(env, STP_ERROR_DEVICE_MEMORY,
                          "%s has no %llu bytes left for %s (%llu are in use); a smaller --size or "
                          "--tile-memory may fit",
