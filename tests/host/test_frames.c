@@ -1,166 +1,10 @@
 /* Pictures in a host's frame: the same bits as stp_render's, hidden by triangles and hiding them,
  * in every format, with nothing allocated while they are recorded. */
-#include "engine.h"
+#include "stage.h"
 
 #include <math.h>
 
 #include "base/memory.h"
-
-#define WIDTH  61
-#define HEIGHT 47
-
-/* A bumpy ball of n points, with or without colours. */
-static struct stp_scene *ball(struct engine *e, size_t n, bool colors, double size)
-{
-    double(*position)[3] = malloc(n * sizeof *position);
-    float(*color)[3] = malloc(n * sizeof *color);
-    for (size_t i = 0; i < n; i++) {
-        double z = 1 - (2 * (double)i + 1) / (double)n, ring = sqrt(1 - z * z);
-        double turn = (double)i * 2.399963, r = size * (1 + 0.05 * sin(5 * turn));
-        memcpy(position[i], (double[3]){ r * ring * cos(turn), r * ring * sin(turn), r * z },
-               sizeof *position);
-        memcpy(color[i], (float[3]){ 0.2f, 0.5f, (float)(0.5 + 0.5 * z) }, sizeof *color);
-    }
-    struct stp_points points = { .count = n,
-                                 .position = (const double(*)[3])position,
-                                 .color = colors ? (const float(*)[3])color : NULL };
-    struct stp_scene *scene = NULL;
-    assert_int_equal(stp_scene_create(&e->env, &scene), STP_OK);
-    assert_int_equal(stp_scene_add_points(&e->env, scene, &points, NULL), STP_OK);
-    assert_int_equal(stp_scene_prepare(&e->env, scene, NULL), STP_OK);
-    free(position);
-    free(color);
-    return scene;
-}
-
-static struct stp_camera view(const struct stp_scene *scene, uint32_t width, uint32_t height,
-                              double azimuth)
-{
-    struct stp_camera camera;
-    struct stp_frame_params params = { .azimuth = azimuth, .width = width, .height = height };
-    assert_int_equal(stp_camera_frame(scene, &params, &camera), STP_OK);
-    return camera;
-}
-
-static struct stp_plan *make_plan(struct engine *e, struct stp_context *context,
-                                  struct stp_scene *scene, const struct stp_camera *camera,
-                                  const struct stp_render_params *params)
-{
-    struct stp_plan *plan = NULL;
-    if (params->method == STP_METHOD_DEFERRED)
-        assert_int_equal(stp_scene_group(&e->env, scene, NULL), STP_OK);
-    if (stp_plan_create(&e->env, scene, camera, params, stp_context_limits(context), &plan))
-        fail_msg("no plan: %s", e->last);
-    return plan;
-}
-
-static struct stp_resident *make_resident(struct engine *e, struct stp_context *context,
-                                          const struct stp_scene *scene,
-                                          const struct stp_plan *plan,
-                                          const struct stp_resident_params *params)
-{
-    struct stp_resident *resident = NULL;
-    if (stp_resident_create(&e->env, context, scene, plan, params, &resident))
-        fail_msg("no resident: %s", e->last);
-    VkCommandBuffer commands = engine_begin(e, 0);
-    assert_int_equal(stp_resident_record_upload(&e->env, resident, commands, e->family), STP_OK);
-    engine_submit(e, 0);
-    engine_finish(e);
-    stp_resident_release_staging(resident);
-    return resident;
-}
-
-static struct stp_frame *make_frame(struct engine *e, struct stp_context *context,
-                                    const struct stp_plan *plan,
-                                    const struct stp_host_frame_params *params)
-{
-    struct stp_frame *frame = NULL;
-    if (stp_frame_create(&e->env, context, plan, params, &frame))
-        fail_msg("no frame: %s", e->last);
-    return frame;
-}
-
-static struct stp_image *offline(struct engine *e, const struct stp_scene *scene,
-                                 const struct stp_camera *camera,
-                                 const struct stp_render_params *params)
-{
-    struct stp_context *own = NULL;
-    struct stp_plan *plan = NULL;
-    struct stp_image *image = NULL;
-    assert_int_equal(stp_context_create(&e->env, &(struct stp_context_params){ 0 }, &own), STP_OK);
-    assert_int_equal(
-        stp_plan_create(&e->env, scene, camera, params, stp_context_limits(own), &plan), STP_OK);
-    assert_int_equal(stp_render(&e->env, own, scene, plan, 0, &image, NULL), STP_OK);
-    stp_plan_destroy(&plan);
-    stp_context_destroy(&own);
-    return image;
-}
-
-static const float *plane(const struct stp_image *image, const char *name)
-{
-    struct stp_channel *channel = stp_image_find(image, name);
-    assert_non_null(channel);
-    return channel->data.f;
-}
-
-static void expect_same(const struct stp_image *image, const float *texels, const char *what)
-{
-    static const char *const names[] = { "R", "G", "B", "A" };
-    for (int k = 0; k < 4; k++) {
-        const float *expected = plane(image, names[k]);
-        for (size_t i = 0; i < (size_t)image->width * image->height; i++)
-            if (memcmp(&texels[4 * i + (size_t)k], &expected[i], 4) != 0)
-                fail_msg("%s: %s of pixel %zu is %g, offline %g", what, names[k], i,
-                         (double)texels[4 * i + (size_t)k], (double)expected[i]);
-    }
-}
-
-struct stage {
-    struct engine engine;
-    struct stp_context *context;
-    struct stp_scene *scene;
-    struct stp_camera camera;
-    struct engine_image color, depth;
-};
-
-static void stage_open(struct stage *s, VkFormat color, VkFormat depth, const char *masked)
-{
-    engine_open(&s->engine, masked);
-    s->context = engine_context(&s->engine);
-    s->scene = ball(&s->engine, 900, true, 1);
-    s->camera = view(s->scene, WIDTH, HEIGHT, 0.4);
-    engine_image_open(&s->engine, color, WIDTH, HEIGHT, &s->color);
-    engine_image_open(&s->engine, depth, WIDTH, HEIGHT, &s->depth);
-}
-
-static void stage_close(struct stage *s)
-{
-    engine_image_close(&s->engine, &s->color);
-    engine_image_close(&s->engine, &s->depth);
-    stp_scene_destroy(&s->scene);
-    stp_context_destroy(&s->context);
-    engine_close(&s->engine);
-}
-
-static struct stp_targets targets_of(const struct stage *s)
-{
-    return (struct stp_targets){ .color = engine_target(&s->color),
-                                 .depth = engine_target(&s->depth),
-                                 .width = s->color.width,
-                                 .height = s->color.height,
-                                 .depth_near = 0.1,
-                                 .depth_far = INFINITY };
-}
-
-static void clear_both(VkCommandBuffer commands, struct stage *s, const float *color, float depth)
-{
-    VkClearValue value = { 0 };
-    if (color)
-        memcpy(value.color.float32, color, sizeof value.color.float32);
-    engine_clear(commands, &s->color, &value);
-    value.depthStencil = (VkClearDepthStencilValue){ depth, 0 };
-    engine_clear(commands, &s->depth, &value);
-}
 
 /* One picture over black; the texels of the colour target. */
 static float *embedded(struct stage *s, const struct stp_plan *plan,
@@ -168,10 +12,10 @@ static float *embedded(struct stage *s, const struct stp_plan *plan,
                        const struct stp_host_frame_params *params)
 {
     struct engine *e = &s->engine;
-    struct stp_frame *frame = make_frame(e, s->context, plan, params);
-    struct stp_targets targets = targets_of(s);
+    struct stp_frame *frame = stage_frame(e, s->context, plan, params);
+    struct stp_targets targets = stage_targets(s);
     VkCommandBuffer commands = engine_begin(e, 0);
-    clear_both(commands, s, NULL, 0);
+    stage_clear(commands, s, NULL, 0);
     if (stp_frame_record(&e->env, frame, resident, &s->camera, &targets, commands))
         fail_msg("not recorded: %s", e->last);
     engine_submit(e, 0);
@@ -206,12 +50,13 @@ static void test_same_bits(void **state)
     stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
     for (unsigned i = 0; i < sizeof ways / sizeof *ways; i++) {
         struct stp_plan *plan =
-            make_plan(&s.engine, s.context, s.scene, &s.camera, &ways[i].params);
-        struct stp_resident *resident = make_resident(&s.engine, s.context, s.scene, plan, NULL);
-        struct stp_image *expected = offline(&s.engine, s.scene, &s.camera, &ways[i].params);
-        for (unsigned f = 0; f < sizeof formats / sizeof *formats; f++) {
+            stage_plan(&s.engine, s.context, s.scene, &s.camera, &ways[i].params);
+        struct stp_resident *resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
+        unsigned count = i == 0 ? sizeof formats / sizeof *formats : 1;
+        struct stp_image *expected = stage_offline(&s.engine, s.scene, &s.camera, &ways[i].params);
+        for (unsigned f = 0; f < count; f++) {
             float *texels = embedded(&s, plan, resident, &formats[f]);
-            expect_same(expected, texels, ways[i].name);
+            stage_same(expected, texels, ways[i].name);
             free(texels);
         }
         stp_image_destroy(&expected);
@@ -237,12 +82,12 @@ static void test_masked(void **state)
         stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, masked[i].name);
         assert_int_equal(stp_context_limits(s.context)->features & masked[i].feature, 0);
         struct stp_render_params params = { .method = STP_METHOD_TWO_PASS };
-        struct stp_plan *plan = make_plan(&s.engine, s.context, s.scene, &s.camera, &params);
-        struct stp_resident *resident = make_resident(&s.engine, s.context, s.scene, plan, NULL);
+        struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &params);
+        struct stp_resident *resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
         params.mask_features = masked[i].feature;
-        struct stp_image *expected = offline(&s.engine, s.scene, &s.camera, &params);
+        struct stp_image *expected = stage_offline(&s.engine, s.scene, &s.camera, &params);
         float *texels = embedded(&s, plan, resident, &format);
-        expect_same(expected, texels, masked[i].name);
+        stage_same(expected, texels, masked[i].name);
         free(texels);
         stp_image_destroy(&expected);
         stp_resident_destroy(&resident);
@@ -261,11 +106,11 @@ static void test_staged(void **state)
     struct stp_import import = engine_import(&s.engine);
     import.mask_features = STP_FEATURE_SHARED_MEMORY;
     assert_int_equal(stp_context_import(&s.engine.env, &import, &s.context), STP_OK);
-    struct stp_plan *plan = make_plan(&s.engine, s.context, s.scene, &s.camera, &params);
-    struct stp_resident *resident = make_resident(&s.engine, s.context, s.scene, plan, NULL);
-    struct stp_image *expected = offline(&s.engine, s.scene, &s.camera, &params);
+    struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &params);
+    struct stp_resident *resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
+    struct stp_image *expected = stage_offline(&s.engine, s.scene, &s.camera, &params);
     float *texels = embedded(&s, plan, resident, &format);
-    expect_same(expected, texels, "staged");
+    stage_same(expected, texels, "staged");
     VkCommandBuffer commands = engine_begin(&s.engine, 0);
     assert_int_equal(stp_resident_record_upload(&s.engine.env, resident, commands, s.engine.family),
                      STP_ERROR_ARGUMENT);
@@ -296,21 +141,17 @@ struct convention {
 };
 
 /* The triangle drawn before or after the splats: either way each pixel shows what is nearer. */
-static void expect_hidden(struct stage *s, const struct stp_plan *plan,
+static void expect_hidden(struct stage *s, struct stp_frame *frame,
                           const struct stp_resident *resident, const struct stp_image *picture,
                           const struct convention *c, bool triangle_first, double z)
 {
     struct engine *e = &s->engine;
-    struct stp_targets targets = targets_of(s);
-    struct stp_host_frame_params params = { .color_format = s->color.format,
-                                            .depth_format = c->format,
-                                            .depth_reversed = c->reversed };
-    struct stp_frame *frame = make_frame(e, s->context, plan, &params);
+    struct stp_targets targets = stage_targets(s);
     VkPipeline pipeline = engine_pipeline(e, s->color.format, c->format, c->reversed);
     struct engine_triangle triangle = across(z, 0.1, c->far, c->reversed);
     targets.depth_far = c->far;
     VkCommandBuffer commands = engine_begin(e, 0);
-    clear_both(commands, s, NULL, c->reversed ? 0 : 1);
+    stage_clear(commands, s, NULL, c->reversed ? 0 : 1);
     if (triangle_first)
         engine_draw(e, commands, pipeline, &s->color, &s->depth, &triangle);
     assert_int_equal(stp_frame_record(&e->env, frame, resident, &s->camera, &targets, commands),
@@ -319,7 +160,7 @@ static void expect_hidden(struct stage *s, const struct stp_plan *plan,
         engine_draw(e, commands, pipeline, &s->color, &s->depth, &triangle);
     engine_submit(e, 0);
     float *texels = engine_read(e, &s->color, 16);
-    const float *depth = plane(picture, "Z"), *red = plane(picture, "R");
+    const float *depth = stage_plane(picture, "Z"), *red = stage_plane(picture, "R");
     size_t nearer = 0, behind = 0;
     for (size_t i = 0; i < (size_t)WIDTH * HEIGHT; i++) {
         if (fabs(depth[i] / z - 1) < c->step)
@@ -336,7 +177,6 @@ static void expect_hidden(struct stage *s, const struct stp_plan *plan,
     assert_true(nearer > 100 && behind > 100);
     free(texels);
     vkDestroyPipeline(e->device, pipeline, NULL);
-    stp_frame_destroy(&frame);
 }
 
 static void test_hidden(void **state)
@@ -367,13 +207,18 @@ static void test_hidden(void **state)
         }
         engine_image_close(&s.engine, &s.depth);
         engine_image_open(&s.engine, conventions[i].format, WIDTH, HEIGHT, &s.depth);
-        struct stp_plan *plan = make_plan(&s.engine, s.context, s.scene, &s.camera, &params);
-        struct stp_resident *resident = make_resident(&s.engine, s.context, s.scene, plan, NULL);
-        struct stp_image *picture = offline(&s.engine, s.scene, &s.camera, &params);
-        const float *depth = plane(picture, "Z");
+        struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &params);
+        struct stp_resident *resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
+        struct stp_image *picture = stage_offline(&s.engine, s.scene, &s.camera, &params);
+        const float *depth = stage_plane(picture, "Z");
         double z = (double)depth[(size_t)WIDTH * (HEIGHT / 2) + WIDTH / 2] + 0.3;
-        expect_hidden(&s, plan, resident, picture, &conventions[i], true, z);
-        expect_hidden(&s, plan, resident, picture, &conventions[i], false, z);
+        struct stp_host_frame_params format = { .color_format = s.color.format,
+                                                .depth_format = conventions[i].format,
+                                                .depth_reversed = conventions[i].reversed };
+        struct stp_frame *frame = stage_frame(&s.engine, s.context, plan, &format);
+        expect_hidden(&s, frame, resident, picture, &conventions[i], true, z);
+        expect_hidden(&s, frame, resident, picture, &conventions[i], false, z);
+        stp_frame_destroy(&frame);
         stp_image_destroy(&picture);
         stp_resident_destroy(&resident);
         stp_plan_destroy(&plan);
@@ -388,14 +233,14 @@ static void test_record_allocates_nothing(void **state)
     stage_open(&s, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
     for (unsigned i = 0; i < sizeof ways / sizeof *ways; i++) {
         struct stp_plan *plan =
-            make_plan(&s.engine, s.context, s.scene, &s.camera, &ways[i].params);
-        struct stp_resident *resident = make_resident(&s.engine, s.context, s.scene, plan, NULL);
+            stage_plan(&s.engine, s.context, s.scene, &s.camera, &ways[i].params);
+        struct stp_resident *resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
         struct stp_host_frame_params params = { .color_format = s.color.format,
                                                 .depth_format = s.depth.format };
-        struct stp_frame *frame = make_frame(&s.engine, s.context, plan, &params);
-        struct stp_targets targets = targets_of(&s);
+        struct stp_frame *frame = stage_frame(&s.engine, s.context, plan, &params);
+        struct stp_targets targets = stage_targets(&s);
         VkCommandBuffer commands = engine_begin(&s.engine, 0);
-        clear_both(commands, &s, NULL, 1);
+        stage_clear(commands, &s, NULL, 1);
         mem_fail_at(1); /* the next allocation would fail */
         enum stp_result result =
             stp_frame_record(&s.engine.env, frame, resident, &s.camera, &targets, commands);
