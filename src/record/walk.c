@@ -161,7 +161,8 @@ static void stamp(struct record_frame *frame, VkCommandBuffer commands, uint32_t
 {
     VkMemoryBarrier2 all = record_everything();
     barrier(frame, commands, &all);
-    frame->context->vk.vkCmdWriteTimestamp2(commands, RECORD_STAGES, frame->queries, query);
+    frame->context->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                            frame->queries, query);
 }
 
 /* Outputs to where the host reads them. */
