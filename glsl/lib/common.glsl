@@ -48,4 +48,6 @@ const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
 const uint ID_WORDS = SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS;
 
-layout(push_constant) uniform Push { uint push_first; uint push_sample; };
+// 22 is the size of a workgroup of the pyramid's passes.
+
+layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; };

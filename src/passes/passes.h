@@ -6,11 +6,22 @@
 #include "gpu/gpu.h"
 #include "plan/plan.h"
 
+#define PASS_STAGES                                                                                \
+    (VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT)
+/* Offsets of the push constants: glsl/lib/common.glsl. */
+enum pass_push {
+    PASS_PUSH_FIRST = 0,
+    PASS_PUSH_SAMPLE = 4,
+    PASS_PUSH_COUNT = 8,
+    PASS_PUSH_BYTES = 12
+};
+
 /* The resources of a plan on a device, by their index in the plan. */
 struct pass_resources {
     struct gpu_buffer buffer[PLAN_MAX_RESOURCES];
     struct gpu_image image[PLAN_MAX_RESOURCES];
-    struct gpu_buffer constants; /* the frame block */
+    VkBufferView texels[PLAN_MAX_RESOURCES]; /* of buffers that are fetched as texels */
+    struct gpu_buffer constants;             /* the frame block */
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout layout;
     VkDescriptorPool pool;
@@ -68,5 +79,7 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                         VkPipeline pipeline);
 
 VkFormat pass_format(enum plan_format format);
+bool pass_is_image(enum plan_format format);
+bool pass_is_texels(enum plan_format format);
 
 #endif

@@ -13,10 +13,25 @@ VkFormat pass_format(enum plan_format format)
         return VK_FORMAT_R32G32B32A32_SFLOAT;
     case PLAN_D32F:
         return VK_FORMAT_D32_SFLOAT;
+    case PLAN_RGBA32UI:
+    case PLAN_TEXELS_RGBA32UI:
+        return VK_FORMAT_R32G32B32A32_UINT;
+    case PLAN_TEXELS_R32F:
+        return VK_FORMAT_R32_SFLOAT;
     case PLAN_BUFFER:
         break;
     }
     return VK_FORMAT_UNDEFINED;
+}
+
+bool pass_is_texels(enum plan_format format)
+{
+    return format == PLAN_TEXELS_RGBA32UI || format == PLAN_TEXELS_R32F;
+}
+
+bool pass_is_image(enum plan_format format)
+{
+    return format != PLAN_BUFFER && !pass_is_texels(format);
 }
 
 /* The plan's resource indices of a pass's attachments; depth is PLAN_NONE where there is none. */
@@ -198,10 +213,8 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                             .maxDepth = 1 };
     context->vk.vkCmdBeginRendering(commands, &rendering);
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
-    context->vk.vkCmdPushConstants(commands, resources->layout,
-                                   VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
-                                       VK_SHADER_STAGE_FRAGMENT_BIT,
-                                   0, sizeof pass->first_splat, &pass->first_splat);
+    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_STAGES, PASS_PUSH_FIRST,
+                                   sizeof pass->first_splat, &pass->first_splat);
     context->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
     context->vk.vkCmdSetScissor(commands, 0, 1, &area);
     if (pass->splat_count)

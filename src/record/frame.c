@@ -3,13 +3,25 @@
 #include "base/log.h"
 #include "base/thread.h"
 
+static enum stp_result make_texels(const struct stp_env *env, struct record_frame *frame,
+                                   uint32_t i)
+{
+    struct stp_context *c = frame->context;
+    VkBufferViewCreateInfo info = { .sType = VK_STRUCTURE_TYPE_BUFFER_VIEW_CREATE_INFO,
+                                    .buffer = frame->resources.buffer[i].handle,
+                                    .format = pass_format(frame->plan->resource[i].format),
+                                    .range = frame->plan->resource[i].bytes };
+    VkResult result = c->vk.vkCreateBufferView(c->device, &info, NULL, &frame->resources.texels[i]);
+    return result == VK_SUCCESS ? STP_OK : gpu_error(env, result, "vkCreateBufferView");
+}
+
 static enum stp_result make_resources(const struct stp_env *env, struct record_frame *frame)
 {
     const struct stp_plan *plan = frame->plan;
     for (uint32_t i = 0; i < plan->resource_count; i++) {
         const struct plan_resource *r = &plan->resource[i];
         enum stp_result result =
-            r->format == PLAN_BUFFER
+            !pass_is_image(r->format)
                 ? gpu_buffer_create(env, frame->context, r->bytes, GPU_DEVICE, r->name,
                                     &frame->resources.buffer[i])
                 : gpu_image_create(env, frame->context, pass_format(r->format), r->width, r->height,
@@ -17,6 +29,8 @@ static enum stp_result make_resources(const struct stp_env *env, struct record_f
         if (result == STP_OK && r->lifetime == PLAN_OUTPUT && !frame->resources.buffer[i].mapped)
             result = gpu_buffer_create(env, frame->context, r->bytes, GPU_READ_BACK, r->name,
                                        &frame->read_back[i]);
+        if (result == STP_OK && pass_is_texels(r->format))
+            result = make_texels(env, frame, i);
         if (result != STP_OK)
             return result;
     }
@@ -24,43 +38,49 @@ static enum stp_result make_resources(const struct stp_env *env, struct record_f
                              "frame constants", &frame->resources.constants);
 }
 
-/* Binding 0 is the frame block; an image of slot s, when the plan has it, is 1 + s - first image.
- */
-static uint32_t image_bindings(const struct stp_plan *plan, uint32_t binding[PLAN_SLOTS],
-                               uint8_t resource[PLAN_SLOTS])
+/* What is bound beside the frame block, whose binding is 0: images and texels. */
+struct bindings {
+    uint32_t count;
+    uint32_t binding[PLAN_SLOTS];
+    uint8_t resource[PLAN_SLOTS];
+    VkDescriptorType type[PLAN_SLOTS];
+};
+
+static struct bindings find_bindings(const struct stp_plan *plan)
 {
-    uint32_t count = 0;
-    for (uint32_t slot = PLAN_IMAGE_ID; slot < PLAN_SLOTS; slot++) {
+    struct bindings b = { 0 };
+    for (uint32_t slot = PLAN_BUFFER_SLOTS; slot < PLAN_SLOTS; slot++) {
         uint8_t found = plan_find(plan, slot);
         if (found == PLAN_NONE || slot == PLAN_IMAGE_DEPTH)
             continue;
-        resource[count] = found;
-        binding[count++] = 1 + slot - PLAN_IMAGE_ID;
+        b.resource[b.count] = found;
+        b.type[b.count] = pass_is_texels(plan->resource[found].format)
+                              ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                              : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+        b.binding[b.count++] = PLAN_BINDING(slot);
     }
-    return count;
+    return b;
 }
 
-static VkResult make_layouts(struct record_frame *frame, uint32_t images, const uint32_t *binding)
+static VkResult make_layouts(struct record_frame *frame, const struct bindings *b)
 {
     struct stp_context *c = frame->context;
-    const VkShaderStageFlags stages =
-        VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    const VkShaderStageFlags stages = PASS_STAGES;
     VkDescriptorSetLayoutBinding bindings[1 + PLAN_SLOTS] = {
         { 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, stages, NULL }
     };
-    for (uint32_t i = 0; i < images; i++)
+    for (uint32_t i = 0; i < b->count; i++)
         bindings[1 + i] =
-            (VkDescriptorSetLayoutBinding){ binding[i], VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1, stages,
-                                            NULL };
+            (VkDescriptorSetLayoutBinding){ b->binding[i], b->type[i], 1, stages, NULL };
     VkDescriptorSetLayoutCreateInfo set = { .sType =
                                                 VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                            .bindingCount = 1 + images,
+                                            .bindingCount = 1 + b->count,
                                             .pBindings = bindings };
     VkResult result =
         c->vk.vkCreateDescriptorSetLayout(c->device, &set, NULL, &frame->resources.set_layout);
     if (result != VK_SUCCESS)
         return result;
-    VkPushConstantRange push = { stages, 0, RECORD_PUSH_SAMPLE + 4 };
+    VkPushConstantRange push = { stages, 0, PASS_PUSH_BYTES };
     VkPipelineLayoutCreateInfo layout = { .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                           .setLayoutCount = 1,
                                           .pSetLayouts = &frame->resources.set_layout,
@@ -69,14 +89,15 @@ static VkResult make_layouts(struct record_frame *frame, uint32_t images, const 
     return c->vk.vkCreatePipelineLayout(c->device, &layout, NULL, &frame->resources.layout);
 }
 
-static VkResult make_set(struct record_frame *frame, uint32_t images)
+static VkResult make_set(struct record_frame *frame, const struct bindings *b)
 {
     struct stp_context *c = frame->context;
-    VkDescriptorPoolSize sizes[] = { { VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1 },
-                                     { VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, images } };
+    VkDescriptorPoolSize sizes[1 + PLAN_SLOTS] = { { VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1 } };
+    for (uint32_t i = 0; i < b->count; i++)
+        sizes[1 + i] = (VkDescriptorPoolSize){ b->type[i], 1 };
     VkDescriptorPoolCreateInfo pool = { .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                         .maxSets = 1,
-                                        .poolSizeCount = images ? 2 : 1,
+                                        .poolSizeCount = 1 + b->count,
                                         .pPoolSizes = sizes };
     VkResult result = c->vk.vkCreateDescriptorPool(c->device, &pool, NULL, &frame->resources.pool);
     if (result != VK_SUCCESS)
@@ -88,8 +109,7 @@ static VkResult make_set(struct record_frame *frame, uint32_t images)
     return c->vk.vkAllocateDescriptorSets(c->device, &set, &frame->resources.set);
 }
 
-static void write_set(struct record_frame *frame, uint32_t images, const uint32_t *binding,
-                      const uint8_t *resource)
+static void write_set(struct record_frame *frame, const struct bindings *b)
 {
     struct stp_context *c = frame->context;
     VkDescriptorBufferInfo buffer = { frame->resources.constants.handle, 0,
@@ -102,30 +122,30 @@ static void write_set(struct record_frame *frame, uint32_t images, const uint32_
           .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
           .pBufferInfo = &buffer }
     };
-    for (uint32_t i = 0; i < images; i++) {
-        image[i] = (VkDescriptorImageInfo){ .imageView = frame->resources.image[resource[i]].all,
+    for (uint32_t i = 0; i < b->count; i++) {
+        uint8_t r = b->resource[i];
+        image[i] = (VkDescriptorImageInfo){ .imageView = frame->resources.image[r].all,
                                             .imageLayout = VK_IMAGE_LAYOUT_GENERAL };
         writes[1 + i] = (VkWriteDescriptorSet){ .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                                 .dstSet = frame->resources.set,
-                                                .dstBinding = binding[i],
+                                                .dstBinding = b->binding[i],
                                                 .descriptorCount = 1,
-                                                .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-                                                .pImageInfo = &image[i] };
+                                                .descriptorType = b->type[i],
+                                                .pImageInfo = &image[i],
+                                                .pTexelBufferView = &frame->resources.texels[r] };
     }
-    c->vk.vkUpdateDescriptorSets(c->device, 1 + images, writes, 0, NULL);
+    c->vk.vkUpdateDescriptorSets(c->device, 1 + b->count, writes, 0, NULL);
 }
 
 static enum stp_result make_descriptors(const struct stp_env *env, struct record_frame *frame)
 {
-    uint32_t binding[PLAN_SLOTS];
-    uint8_t resource[PLAN_SLOTS];
-    uint32_t images = image_bindings(frame->plan, binding, resource);
-    VkResult result = make_layouts(frame, images, binding);
+    struct bindings bindings = find_bindings(frame->plan);
+    VkResult result = make_layouts(frame, &bindings);
     if (result == VK_SUCCESS)
-        result = make_set(frame, images);
+        result = make_set(frame, &bindings);
     if (result != VK_SUCCESS)
         return gpu_error(env, result, "making descriptor sets");
-    write_set(frame, images, binding, resource);
+    write_set(frame, &bindings);
     return STP_OK;
 }
 
@@ -208,6 +228,8 @@ void record_frame_destroy(struct record_frame *frame)
     if (frame->resources.set_layout)
         c->vk.vkDestroyDescriptorSetLayout(c->device, frame->resources.set_layout, NULL);
     for (uint32_t i = 0; i < PLAN_MAX_RESOURCES; i++) {
+        if (frame->resources.texels[i])
+            c->vk.vkDestroyBufferView(c->device, frame->resources.texels[i], NULL);
         gpu_buffer_destroy(c, &frame->resources.buffer[i]);
         gpu_buffer_destroy(c, &frame->read_back[i]);
         gpu_image_destroy(c, &frame->resources.image[i]);

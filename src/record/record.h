@@ -45,7 +45,6 @@ uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sam
  * full barrier and a timestamp after every step. skip_barrier: leaves out the barrier before that
  * pass (tests prove with it that validation sees). */
 #define RECORD_NO_PASS     UINT32_MAX
-#define RECORD_PUSH_SAMPLE 4 /* offset of the sample's index in the push constants */
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
                  uint32_t part, bool timed, uint32_t skip_barrier);
 

@@ -192,10 +192,8 @@ static void finish(struct record_frame *frame, VkCommandBuffer commands)
 
 static void push_sample(struct record_frame *frame, VkCommandBuffer commands, uint32_t sample)
 {
-    frame->context->vk.vkCmdPushConstants(commands, frame->resources.layout,
-                                          VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
-                                              VK_SHADER_STAGE_FRAGMENT_BIT,
-                                          RECORD_PUSH_SAMPLE, sizeof sample, &sample);
+    frame->context->vk.vkCmdPushConstants(commands, frame->resources.layout, PASS_STAGES,
+                                          PASS_PUSH_SAMPLE, sizeof sample, &sample);
 }
 
 uint32_t record_parts(const struct stp_plan *plan)
