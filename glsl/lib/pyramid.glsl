@@ -16,6 +16,7 @@ struct Texel {
     float radius;
     vec3 normal; // camera frame
     vec2 center; // pixels
+    bool full;   // the surface goes on all over the texel, as far as its points tell
 };
 
 struct Attributes {
@@ -59,7 +60,8 @@ Texel texel_unpack(uvec4 u, vec2 middle)
     vec2 size = unpackHalf2x16(u.y) * frame.radius_unit;
     t.depth = uintBitsToFloat(u.x);
     t.extent = size.x;
-    t.radius = size.y;
+    t.radius = abs(size.y);
+    t.full = (u.y & 0x80000000u) != 0; // the sign of the radius
     t.normal = octahedral_decode(u.z);
     t.center = middle + unpackHalf2x16(u.w);
     return t;
@@ -67,7 +69,8 @@ Texel texel_unpack(uvec4 u, vec2 middle)
 
 uvec4 texel_pack(Texel t, vec2 middle)
 {
-    return uvec4(floatBitsToUint(t.depth), packHalf2x16(vec2(t.extent, t.radius) * frame.radius_scale),
+    uint size = packHalf2x16(vec2(t.extent, t.radius) * frame.radius_scale);
+    return uvec4(floatBitsToUint(t.depth), t.full ? size | 0x80000000u : size,
                  octahedral_encode(t.normal), packHalf2x16(t.center - middle));
 }
 

@@ -24,6 +24,7 @@ void gather(uvec2 p, uint id)
     t.radius = texelFetch(point_radii, int(index)).x;
     t.normal = s.normal;
     t.center = level_middle(0, ivec2(p)) + offset;
+    t.full = true;
     if (!found && id != STP_NO_POINT)
         return;
     texel_store(0, ivec2(p), t);

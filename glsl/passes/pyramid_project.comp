@@ -1,12 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// MKC 3.1: every point to one pixel, by one atomic. Depth decides, ties go to the lower id. Without
-// 64-bit atomics depth goes first and the id takes a pass of its own (NEAREST_ID). An invocation takes
-// many points: starting one costs a CPU device as much as projecting several.
+// MKC 3.1: every point to one pixel, by one atomic. Depth decides, ties go to the lower id. An
+// invocation takes many points: starting one costs a CPU device as much as projecting several.
 #include "lib/common.glsl"
-#ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
-#endif
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #include "lib/points.glsl"
@@ -21,14 +18,7 @@ void project(uint index)
     if (!point_pixel(s, pixel, offset) || !seen)
         return;
     uint at = grid_index(pixel), depth = depth_order(s.center.z), id = push_first + index;
-#ifdef WITH_ATOMIC64
     atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | id);
-#elif defined(NEAREST_ID)
-    if (UintRef(uint64_t(frame.keys)).v[2 * at + 1] == depth)
-        atomicMin(UintRef(uint64_t(frame.keys)).v[2 * at], id);
-#else
-    atomicMin(UintRef(uint64_t(frame.keys)).v[2 * at + 1], depth);
-#endif
 }
 
 void main()

@@ -11,8 +11,8 @@ layout(local_size_x_id = 22) in;
 void pull(uint level, ivec2 p)
 {
     ivec2 first = 2 * (p + level_origin(level)) - level_origin(level - 1);
-    Texel child[4], mean = Texel(0, 0, 0, vec3(0), vec2(0));
-    float front = NOTHING, reach = NOTHING, count = 0;
+    Texel child[4], mean = Texel(0, 0, 0, vec3(0), vec2(0), false);
+    float front = NOTHING, reach = NOTHING, count = 0, full = 0;
     Attributes a = Attributes(vec3(0), STP_NO_ID, 0), frontmost = a;
     for (int i = 0; i < 4; i++)
         child[i] = texel_load(level - 1, first + ivec2(i & 1, i >> 1));
@@ -25,6 +25,7 @@ void pull(uint level, ivec2 p)
         bool counts = texel_valid(child[i]) && child[i].depth - child[i].extent <= reach;
         float w = counts ? 1 : 0;
         count += w;
+        full += child[i].full ? w : 0;
         mean.depth += counts ? child[i].depth : 0;
         mean.radius += w * child[i].radius;
         mean.normal += w * child[i].normal;
@@ -38,6 +39,7 @@ void pull(uint level, ivec2 p)
     }
     float scale = 1 / count;
     mean.depth = count > 0 ? mean.depth * scale : NOTHING;
+    mean.full = full >= (level == 1 ? 2 : 3);
     mean.radius *= scale;
     mean.center *= scale;
     [[unroll]] for (int i = 0; i < 4; i++) {

@@ -13,7 +13,7 @@ void push(uint level, ivec2 p)
 {
     Texel own = texel_load(level, p);
     bool valid = texel_valid(own);
-    Pushed r = push_from(level + 1, p, valid ? own.center : level_middle(level, p));
+    Pushed r = push_from(level + 1, p, valid ? own.center : level_middle(level, p), valid);
     if (!(r.weight > 0) || (valid && own.depth - own.extent <= r.reach))
         return;
     texel_store(level, p, r.disc);

@@ -1,11 +1,9 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // A workgroup a point: its disc's depth into the empty pixels that it covers, the nearest wins, ties go
-// to the pixel that comes first. Without 64-bit atomics in two passes, as pyramid_project.comp.
+// to the pixel that comes first.
 #include "lib/common.glsl"
-#ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
-#endif
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #define ATTRIBUTES 0
@@ -21,14 +19,7 @@ void visit(Texel t, float crowd, uint code, uvec2 p)
     if (!rim_hit(t, crowd, rim_position(p), z) || !empty)
         return;
     uint depth = depth_order(z);
-#ifdef WITH_ATOMIC64
     atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | code);
-#elif defined(NEAREST_ID)
-    if (UintRef(uint64_t(frame.keys)).v[2 * at + 1] == depth)
-        atomicMin(UintRef(uint64_t(frame.keys)).v[2 * at], code);
-#else
-    atomicMin(UintRef(uint64_t(frame.keys)).v[2 * at + 1], depth);
-#endif
 }
 
 void main()

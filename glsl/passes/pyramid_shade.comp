@@ -27,7 +27,7 @@ void shade_pixel(uint block, ivec2 p, uvec2 pixel)
              (sample_part(pixel + uvec2(frame.tile_x, frame.tile_y)) - sample_shift());
     Texel own = texel_load(0, p);
     bool valid = texel_valid(own);
-    Pushed r = push_from(1, p, q);
+    Pushed r = push_from(1, p, q, valid);
     Surface s = own_surface(own, q, p);
     bool copied = valid && !(r.weight > 0 && s.depth > r.reach);
     if (!copied) {

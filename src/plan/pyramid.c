@@ -173,7 +173,10 @@ static void scene_resources(struct stp_plan *plan)
 /* 0: none; 1: colours; 2: colours, ids and objects. */
 static unsigned attributes_of(const struct stp_plan *plan)
 {
+    bool color_format = (plan->limits.features & STP_FEATURE_STORAGE_FORMATS) != 0;
     if (plan->facts.objects > 1 || (plan->constant[PLAN_AOVS] & 2))
+        return 2;
+    if (plan->facts.has_color && !color_format) /* R32G32 images are an extended format */
         return 2;
     return plan->facts.has_color ? 1 : 0;
 }
@@ -237,12 +240,7 @@ static void project(struct stp_plan *plan, const char *name, enum plan_shader sh
 static void project_all(struct stp_plan *plan)
 {
     plan_fill(plan, PLAN_KEYS, STP_NO_POINT, "clear keys");
-    if (plan->constant[PLAN_ATOMIC64]) {
-        project(plan, "project", PLAN_SHADER_PYRAMID_PROJECT);
-    } else {
-        project(plan, "project", PLAN_SHADER_PYRAMID_PROJECT32);
-        project(plan, "project ids", PLAN_SHADER_PYRAMID_PROJECT_ID32);
-    }
+    project(plan, "project", PLAN_SHADER_PYRAMID_PROJECT);
 }
 
 static void gather(struct stp_plan *plan, unsigned attributes)
@@ -326,12 +324,7 @@ static void rim_far(struct stp_plan *plan, unsigned attributes)
     plan_updates(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_IMAGE_PYRAMID);
     plan_updates(plan, pass, PLAN_RIM);
-    if (plan->constant[PLAN_ATOMIC64]) {
-        rim_splat(plan, "rim splat", PLAN_SHADER_PYRAMID_RIM_SPLAT);
-    } else {
-        rim_splat(plan, "rim splat", PLAN_SHADER_PYRAMID_RIM_SPLAT32);
-        rim_splat(plan, "rim splat ids", PLAN_SHADER_PYRAMID_RIM_SPLAT_ID32);
-    }
+    rim_splat(plan, "rim splat", PLAN_SHADER_PYRAMID_RIM_SPLAT);
     shade(plan, "rim shade", PLAN_SHADER_PYRAMID_RIM_SHADE + attributes, STP_WORK_BLOCKS);
 }
 

@@ -8,6 +8,16 @@ static void exact_raster(struct inputs *in)
     in->params.method = STP_METHOD_EXACT;
     in->params.path = STP_PATH_RASTER;
 }
+static void pyramid_raster(struct inputs *in)
+{
+    in->params.method = STP_METHOD_PYRAMID;
+    in->params.path = STP_PATH_RASTER;
+}
+static void pyramid_without_atomics(struct inputs *in)
+{
+    in->params.method = STP_METHOD_PYRAMID;
+    in->params.mask_features = STP_FEATURE_INT64_ATOMICS;
+}
 static void auto_raster(struct inputs *in)
 {
     in->params.path = STP_PATH_RASTER;
@@ -23,6 +33,17 @@ static void raster_without_blend(struct inputs *in)
     in->params.method = STP_METHOD_TWO_PASS;
     in->params.path = STP_PATH_RASTER;
     in->limits.features &= ~(unsigned)STP_FEATURE_FLOAT32_BLEND;
+}
+static void raster_without_formats(struct inputs *in)
+{
+    in->params.method = STP_METHOD_TWO_PASS;
+    in->params.path = STP_PATH_RASTER;
+    in->params.mask_features = STP_FEATURE_STORAGE_FORMATS;
+}
+static void deferred_without_any(struct inputs *in)
+{
+    in->params.method = STP_METHOD_DEFERRED;
+    in->params.mask_features = STP_FEATURE_INT64_ATOMICS | STP_FEATURE_STORAGE_FORMATS;
 }
 static void no_groups(struct inputs *in)
 {
@@ -124,9 +145,13 @@ static const struct {
     const char *word;
 } cases[] = {
     { exact_raster, STP_ERROR_ARGUMENT, "raster" },
+    { pyramid_raster, STP_ERROR_ARGUMENT, "raster" },
+    { pyramid_without_atomics, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { auto_raster, STP_ERROR_ARGUMENT, "raster" },
     { deferred_without_atomics, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { raster_without_blend, STP_ERROR_FEATURE, "blending" },
+    { raster_without_formats, STP_ERROR_FEATURE, "shaderStorageImageExtendedFormats" },
+    { deferred_without_any, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { no_groups, STP_ERROR_ARGUMENT, "stp_scene_group" },
     { voronoi_exact_raster, STP_ERROR_ARGUMENT, "slab" },
     { no_width, STP_ERROR_ARGUMENT, "0 x 48" },
