@@ -48,6 +48,9 @@ const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
 const uint ID_WORDS = SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS;
 
-// 22 is the size of a workgroup of the pyramid's passes.
-
-layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; };
+#ifndef PUSH_MORE
+#define PUSH_MORE
+#endif
+// push_first: the first splat of a draw, or the level of a pyramid; push_count: points.
+layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; uint push_pad; PUSH_MORE };
+// Constant 22 is the size of a workgroup of the pyramid's passes.

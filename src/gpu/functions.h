@@ -47,6 +47,8 @@
     X(vkGetImageMemoryRequirements)                                                                \
     X(vkCreateBufferView)                                                                          \
     X(vkDestroyBufferView)                                                                         \
+    X(vkGetDeviceBufferMemoryRequirements)                                                         \
+    X(vkGetDeviceImageMemoryRequirements)                                                          \
     X(vkCreateImageView)                                                                           \
     X(vkDestroyImageView)                                                                          \
     X(vkAllocateMemory)                                                                            \

@@ -31,9 +31,9 @@ static void push_pyramid(struct stp_context *context, VkCommandBuffer commands,
                          const struct pass_resources *resources)
 {
     const uint32_t first = pass->level, count = (uint32_t)plan->facts.splats;
-    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_STAGES, PASS_PUSH_FIRST,
+    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, PASS_PUSH_FIRST,
                                    sizeof first, &first);
-    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_STAGES, PASS_PUSH_COUNT,
+    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, PASS_PUSH_COUNT,
                                    sizeof count, &count);
 }
 
