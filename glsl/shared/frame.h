@@ -33,6 +33,11 @@
 #define STP_SUM_WORDS    10    /* 64-bit words of a pixel's fixed-point sums */
 #define STP_LIGHTS       8
 #define STP_NO_ID        0xffffffffu
+#define STP_AXIS_FLAT    0x80008000u /* no normal: no octahedral one is packed to this */
+#define STP_AXIS_MERGE_BLEND 0
+#define STP_AXIS_MERGE_CLIP  1
+#define STP_BINDING_AXIS_COLOR 6 /* 1 + the slot's place among images */
+#define STP_BINDING_AXIS_DEPTH 7
 #define STP_ID_WORDS     4     /* of out_id a pixel, with several samples; else 2 */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
@@ -63,6 +68,19 @@ struct stp_material_gpu {
     float epsilon;
 };
 
+/* HM: kernels of one shape, and the walks that draw them; zero without them. */
+struct stp_axis_gpu {
+    float shape[6]; /* camera frame: xx xy xz yy yz zz */
+    float extent[3];      /* of the box around a kernel's reach */
+    float reach2;       /* squared, in deviations */
+    float scale;        /* amplitude * sqrt(2 pi) */
+    float least_alpha;
+    float h;
+    uint merge; /* STP_AXIS_MERGE_* */
+    uint splats; /* of all lists */
+    uint walk[6]; /* axis; + 4: rays run against it */
+};
+
 struct stp_frame_constants {
     STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz group|object<<8 */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
@@ -75,6 +93,7 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, counts);        /* exact: fragments a pixel */
     STP_ADDRESS(UintRef, nearest);       /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
     STP_ADDRESS(Uint64Ref, sums);        /* two-pass: STP_SUM_WORDS a pixel */
+    STP_ADDRESS(Vec4Ref, projected);     /* axis: 2 per splat of a list: centre, tau; colour */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
@@ -111,6 +130,7 @@ struct stp_frame_constants {
     float raster_scale;
     float raster_slab; /* hardware depth of one slab (ZP Eq. 10) */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
+    STP_STRUCT(stp_axis_gpu) axis;
 };
 
 #ifndef GL_core_profile

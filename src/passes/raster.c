@@ -75,7 +75,9 @@ static VkResult create_pipeline(struct stp_context *context, const struct plan_p
                                 const VkPipelineShaderStageCreateInfo *stages,
                                 VkPipelineLayout layout, VkPipeline *pipeline)
 {
-    bool blend = pass->raster == PLAN_RASTER_BLEND;
+    bool over = pass->raster == PLAN_RASTER_OVER;
+    bool blend = over || pass->raster == PLAN_RASTER_BLEND;
+    VkBlendFactor behind = over ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE;
     VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
         .depthTestEnable = !blend,
@@ -87,9 +89,9 @@ static VkResult create_pipeline(struct stp_context *context, const struct plan_p
         attachments[i] = (VkPipelineColorBlendAttachmentState){
             .blendEnable = blend,
             .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
-            .dstColorBlendFactor = VK_BLEND_FACTOR_ONE,
+            .dstColorBlendFactor = behind,
             .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-            .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+            .dstAlphaBlendFactor = behind,
             .colorWriteMask = 0xf,
         };
     VkPipelineColorBlendStateCreateInfo colors = {

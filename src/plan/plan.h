@@ -5,6 +5,7 @@
 
 #include <stipple/plan.h>
 
+#include "prepare/axis_lists.h"
 #include "shared/frame.h"
 
 #define PLAN_MAX_RESOURCES 32
@@ -36,6 +37,9 @@ enum plan_constant {
     PLAN_LAYERED,
     PLAN_FLOAT64,
     PLAN_SAMPLE_GRID,
+    PLAN_AXIS_WALKS,
+    PLAN_AXIS_CUT,
+    PLAN_UNLIT,
     PLAN_CONSTANTS
 };
 
@@ -52,6 +56,7 @@ enum plan_slot {
     PLAN_COUNTS,
     PLAN_NEAREST,
     PLAN_SUMS,
+    PLAN_PROJECTED,
     PLAN_OUT_COLOR,
     PLAN_OUT_NORMAL,
     PLAN_OUT_DEPTH,
@@ -63,6 +68,8 @@ enum plan_slot {
     PLAN_IMAGE_SUM,
     PLAN_IMAGE_SUM_DEPTH,
     PLAN_IMAGE_SUM_COLOR,
+    PLAN_IMAGE_AXIS_COLOR,
+    PLAN_IMAGE_AXIS_DEPTH,
     PLAN_SLOTS
 };
 
@@ -114,6 +121,11 @@ enum plan_shader {
     PLAN_SHADER_TWOPASS_RESOLVE,
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE,
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR,
+    PLAN_SHADER_AXIS_PROJECT,
+    PLAN_SHADER_AXIS_VERTEX,
+    PLAN_SHADER_AXIS_FRAGMENT,
+    PLAN_SHADER_AXIS_MERGE,
+    PLAN_SHADER_AXIS_EMPTY,
     PLAN_SHADER_EYE_DOME,
     PLAN_SHADER_BACKGROUND,
     PLAN_SHADER_RASTER_VERTEX,
@@ -148,6 +160,7 @@ struct plan_access {
 enum plan_raster {
     PLAN_RASTER_WINNER, /* depth test and write, ids out */
     PLAN_RASTER_BLEND,  /* additive, no depth */
+    PLAN_RASTER_OVER,   /* premultiplied, over what is there, no depth */
 };
 
 struct plan_pass {
@@ -193,6 +206,7 @@ struct stp_plan {
     uint32_t repeat_first, repeat_end;
     uint32_t tile_width, tile_height; /* the largest */
     struct plan_tile *tile;
+    struct axis_lists axis; /* of the axis method; owned */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
 };
 
@@ -225,6 +239,11 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
 void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
+void plan_axis(struct stp_plan *plan);
+
+/* plan/axis.c: the lists of the view, and what shaders need to know of the kernels. */
+enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,
+                                  const struct stp_scene *scene);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);

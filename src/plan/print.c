@@ -13,6 +13,7 @@ static const char *const constant_names[PLAN_CONSTANTS] = {
     "floor",        "orthographic", "color",   "objects",     "unknown_normals", "head_light",
     "local_viewer", "background",   "aovs",    "squarings",   "repair",          "slot_ids",
     "atomic64",     "layered",      "float64", "sample_grid",
+    "axis_walks",   "axis_cut",     "unlit",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)
@@ -56,6 +57,20 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
     }
 }
 
+static void print_lists(FILE *out, const struct stp_plan *plan)
+{
+    static const char *const merges[] = { "blend", "clip", "single", "sort" };
+    const struct axis_lists *lists = &plan->axis;
+    fprintf(out, "lists: %s", merges[lists->merge]);
+    if (lists->merge == STP_AXIS_BLEND)
+        fprintf(out, ", h %.4g", lists->h);
+    fprintf(out, ", %zu kernels seen, %zu splats drawn\n", lists->visible, lists->count);
+    for (unsigned i = 0; i < lists->walk_count; i++)
+        fprintf(out, "  rays along %c%c: %u splats, far to near\n",
+                lists->walk[i].backwards ? '-' : '+', "xyz"[lists->walk[i].axis],
+                lists->walk[i].count);
+}
+
 static void print(FILE *out, const struct stp_plan *plan)
 {
     fprintf(out, "method %s, path %s, %zu splats, %u x %u pixels\n", stp_method_name(plan->method),
@@ -68,6 +83,8 @@ static void print(FILE *out, const struct stp_plan *plan)
     fprintf(out, "why: %s\n", plan->why);
     if (plan->method == STP_METHOD_REFERENCE)
         return;
+    if (plan->method == STP_METHOD_AXIS)
+        print_lists(out, plan);
     fprintf(out, "constants:");
     for (int i = 0; i < PLAN_CONSTANTS; i++)
         if (plan->constant[i])

@@ -41,6 +41,13 @@ static void outputs(struct stp_plan *plan)
 static void scene_resources(struct stp_plan *plan)
 {
     uint64_t n = plan->facts.splats;
+    if (plan->method == STP_METHOD_AXIS) {
+        if (plan->axis.count)
+            plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE, plan->axis.count * 32);
+        plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
+                      sizeof(struct stp_material_gpu));
+        return;
+    }
     plan_resource(plan, "splats", PLAN_SPLATS, PLAN_SCENE, n * 32);
     if (plan->facts.has_color)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
@@ -110,6 +117,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         reset_arguments(plan);
     if (plan->method == STP_METHOD_DEFERRED)
         plan_deferred(plan);
+    else if (plan->method == STP_METHOD_AXIS)
+        plan_axis(plan);
     else if (plan->method == STP_METHOD_EXACT)
         plan_exact(plan);
     else

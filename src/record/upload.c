@@ -1,11 +1,13 @@
 #include "record/record.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
 #include "scene/scene.h"
+#include "scene/volume.h"
 
 struct packing {
     const struct splats *splats;
@@ -43,6 +45,67 @@ static enum stp_result upload_splats(const struct stp_env *env, struct record_fr
         return STP_OK;
     enum stp_result result =
         gpu_upload(env, frame->context, buffer, packing.out, splats->count * 32);
+    mem_free(packing.out);
+    return result;
+}
+
+/* Octahedral, two snorms of 16 bits; of no normal the one word that no normal gives. */
+static uint32_t encode_normal(const float n[3])
+{
+    double size = fabs((double)n[0]) + fabs((double)n[1]) + fabs((double)n[2]);
+    double x = (double)n[0] / size, y = (double)n[1] / size;
+    if (!(size > 0))
+        return STP_AXIS_FLAT;
+    if (n[2] < 0) {
+        double fold = 1 - fabs(y);
+        y = copysign(1 - fabs(x), y);
+        x = copysign(fold, x);
+    }
+    return ((uint32_t)lrint(x * 32767) & 0xffff) | (uint32_t)lrint(y * 32767) << 16;
+}
+
+struct kernel_packing {
+    const struct stp_scene *scene;
+    const uint32_t *order;
+    float (*out)[8];
+};
+
+/* Two vectors a splat of a list: centre relative to the origin and tau; colour and normal. */
+static void pack_kernels(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct kernel_packing *p = context;
+    const struct kernels *k = &p->scene->volume->kernels;
+    const struct grid *grid = &p->scene->volume->grid;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t id = p->order[i], at[3], normal = STP_AXIS_FLAT;
+        float *out = p->out[i];
+        voxel_place(grid, k->voxel[id], at);
+        for (int a = 0; a < 3; a++) {
+            double place = grid->origin[a] + at[a] * grid->spacing[a];
+            out[a] = (float)(place - p->scene->splats.origin[a]);
+            out[4 + a] = k->color[id][a];
+        }
+        out[3] = k->tau[id];
+        if (k->normal)
+            normal = encode_normal(k->normal[id]);
+        memcpy(&out[7], &normal, 4);
+    }
+}
+
+static enum stp_result upload_kernels(const struct stp_env *env, struct record_frame *frame,
+                                      const struct stp_scene *scene, struct gpu_buffer *buffer)
+{
+    const struct axis_lists *lists = &frame->plan->axis;
+    struct kernel_packing packing = { scene, lists->order, NULL };
+    bool direct = buffer->mapped && buffer->coherent;
+    packing.out = direct ? buffer->mapped : mem_alloc(lists->count, 32);
+    if (!packing.out)
+        return log_no_memory(env, lists->count * 32, "staging of kernels");
+    parallel_for(env, lists->count, 16384, pack_kernels, &packing);
+    if (direct)
+        return STP_OK;
+    enum stp_result result =
+        gpu_upload(env, frame->context, buffer, packing.out, lists->count * 32);
     mem_free(packing.out);
     return result;
 }
@@ -97,7 +160,8 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
         struct gpu_buffer *buffer = &frame->resources.buffer[i];
         switch (frame->plan->resource[i].slot) {
         case PLAN_SPLATS:
-            result = upload_splats(env, frame, &scene->splats, buffer);
+            result = scene->volume ? upload_kernels(env, frame, scene, buffer)
+                                   : upload_splats(env, frame, &scene->splats, buffer);
             break;
         case PLAN_COLORS:
             result = gpu_upload(env, frame->context, buffer, scene->splats.color,
