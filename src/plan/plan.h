@@ -206,7 +206,7 @@ struct stp_plan {
     uint32_t repeat_first, repeat_end;
     uint32_t tile_width, tile_height; /* the largest */
     struct plan_tile *tile;
-    struct axis_lists axis; /* of the axis method; owned */
+    struct axis_lists axis;                   /* of the axis method; owned */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
 };
 

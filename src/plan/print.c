@@ -9,11 +9,11 @@ static const char *const format_names[] = { "buffer", "R32G32_UINT", "R32G32_SFL
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {
-    "groups",       "voronoi",      "packed",  "gauss",       "two_sided",       "cull_back",
-    "floor",        "orthographic", "color",   "objects",     "unknown_normals", "head_light",
-    "local_viewer", "background",   "aovs",    "squarings",   "repair",          "slot_ids",
-    "atomic64",     "layered",      "float64", "sample_grid",
-    "axis_walks",   "axis_cut",     "unlit",
+    "groups",          "voronoi",     "packed",       "gauss",      "two_sided",
+    "cull_back",       "floor",       "orthographic", "color",      "objects",
+    "unknown_normals", "head_light",  "local_viewer", "background", "aovs",
+    "squarings",       "repair",      "slot_ids",     "atomic64",   "layered",
+    "float64",         "sample_grid", "axis_walks",   "axis_cut",   "unlit",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)
@@ -68,7 +68,7 @@ static void print_lists(FILE *out, const struct stp_plan *plan)
     for (unsigned i = 0; i < lists->walk_count; i++)
         fprintf(out, "  rays along %c%c: %u splats, far to near\n",
                 lists->walk[i].backwards ? '-' : '+', "xyz"[lists->walk[i].axis],
-                lists->walk[i].count);
+                lists -> walk[i].count);
 }
 
 static void print(FILE *out, const struct stp_plan *plan)
