@@ -4,8 +4,9 @@
 // its depth (q.z = 0): m^2 = q' M q - (g.q)^2 / A, free of the cancellation of far coordinates.
 struct Ray {
     vec2 d;      // the ray's direction is (d, 1); orthographic: it starts at (d, 0)
-    vec2 g;      // M (d, 1), its x and y
+    vec2 g;      // M (d, 1), its x and y, over a
     float a;     // (d, 1)' M (d, 1)
+    vec3 form;   // of m^2 in q: xx, 2 xy, yy
     float scale; // of the line integral: amplitude |(d, 1)| sqrt(2 pi / a)
 };
 
@@ -18,8 +19,9 @@ Ray axis_ray(vec2 pixel)
     vec3 v = ORTHOGRAPHIC ? vec3(0, 0, 1) : vec3(r.d, 1);
     vec3 mv = vec3(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
                    m[2] * v.x + m[4] * v.y + m[5] * v.z);
-    r.g = mv.xy;
     r.a = dot(v, mv);
+    r.g = mv.xy / r.a;
+    r.form = vec3(m[0] - mv.x * r.g.x, 2 * (m[1] - mv.x * r.g.y), m[3] - mv.y * r.g.y);
     r.scale = frame.axis.scale * length(v) * inversesqrt(r.a);
     return r;
 }
@@ -38,12 +40,10 @@ float erf_of(float x)
 // `depth` gets where its density is greatest on the visible part of the ray.
 float axis_alpha(Ray r, vec3 centre, float tau, out float depth)
 {
-    const float m[6] = frame.axis.shape;
     vec2 q = centre.xy - (ORTHOGRAPHIC ? r.d : centre.z * r.d);
-    float along = dot(r.g, q) / r.a, share = 1;
-    float m2 = m[0] * q.x * q.x + 2 * m[1] * q.x * q.y + m[3] * q.y * q.y - along * along * r.a;
-    float seen = m2;
-    depth = centre.z + along;
+    float m2 = r.form.x * q.x * q.x + r.form.y * q.x * q.y + r.form.z * q.y * q.y;
+    float seen = m2, share = 1;
+    depth = centre.z + dot(r.g, q);
     if (AXIS_CUT) {
         float peak = depth, root = sqrt(0.5 * r.a);
         depth = clamp(peak, frame.near_depth, frame.far_depth);

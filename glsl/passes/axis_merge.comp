@@ -6,10 +6,12 @@
 #include "lib/pixel.glsl"
 layout(local_size_x = STP_GROUP) in;
 
-#ifndef EMPTY
+#if !defined(EMPTY) && !defined(FROM_SUMS)
 layout(set = 0, binding = STP_BINDING_AXIS_COLOR, rgba32f) uniform readonly image2DArray walk_color;
 layout(set = 0, binding = STP_BINDING_AXIS_DEPTH, rg32f) uniform readonly image2DArray walk_depth;
+#endif
 
+#ifndef EMPTY
 vec3 world_ray(vec2 pixel)
 {
     const float r[9] = frame.rotation;
@@ -51,8 +53,16 @@ void main()
         float w = weight(frame.axis.walk[n], v);
         w *= w;
         sum += w;
+#ifdef FROM_SUMS
+        uint from = 2 * ((n * frame.blocks_x * frame.blocks_y + block) * STP_GROUP +
+                         gl_LocalInvocationIndex);
+        vec4 one = frame.axis_sums.v[from];
+        color += w * vec4(one.xyz, 1 - one.w);
+        depth += w * frame.axis_sums.v[from + 1].x;
+#else
         color += w * imageLoad(walk_color, ivec3(p, n));
         depth += w * imageLoad(walk_depth, ivec3(p, n)).x;
+#endif
     }
     if (sum > 0) {
         color /= sum;

@@ -20,13 +20,11 @@ vec4 to_clip(vec2 pixel)
 // Around the ellipse of the centre's ray, wider by what perspective can bend it.
 vec2 around_ellipse(vec3 c, uint corner, float bend)
 {
-    const float m[6] = frame.axis.shape;
     vec2 focal = vec2(frame.focal[0], frame.focal[1]), middle = vec2(frame.center[0], frame.center[1]);
     float z = ORTHOGRAPHIC ? 1 : c.z;
     vec2 at = middle + focal * c.xy / z;
     Ray r = axis_ray(at);
-    float xx = m[0] - r.g.x * r.g.x / r.a, xy = m[1] - r.g.x * r.g.y / r.a,
-          yy = m[3] - r.g.y * r.g.y / r.a;
+    float xx = r.form.x, xy = 0.5 * r.form.y, yy = r.form.z;
     vec2 u = vec2(corner == 0 ? 1.0 : -0.5, corner == 0 ? 0 : corner == 1 ? 0.8660254 : -0.8660254);
     u *= WIDE * sqrt(frame.axis.reach2) * (1 + 2 * bend) / z;
     float l11 = sqrt(xx), l21 = xy / l11, l22 = sqrt(max(yy - l21 * l21, 1e-6 * yy));

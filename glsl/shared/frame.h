@@ -34,6 +34,7 @@
 #define STP_LIGHTS       8
 #define STP_NO_ID        0xffffffffu
 #define STP_AXIS_FLAT    0x80008000u /* no normal: no octahedral one is packed to this */
+#define STP_AXIS_PART    60000u /* entries of a block's list that one pass takes */
 #define STP_AXIS_MERGE_BLEND 0
 #define STP_AXIS_MERGE_CLIP  1
 #define STP_BINDING_AXIS_COLOR 6 /* 1 + the slot's place among images */
@@ -78,6 +79,7 @@ struct stp_axis_gpu {
     float h;
     uint merge; /* STP_AXIS_MERGE_* */
     uint splats; /* of all lists */
+    uint blocks_x, blocks_y; /* compute: of the whole picture */
     uint walk[6]; /* axis; + 4: rays run against it */
 };
 
@@ -85,15 +87,16 @@ struct stp_frame_constants {
     STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz group|object<<8 */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
-    STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group */
+    STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group; axis: by block */
     STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
     STP_ADDRESS(UintRef, large);         /* ids of large splats; exact: then those to repair */
     STP_ADDRESS(Uint64Ref, keys);        /* deferred: K a pixel; exact: STP_SLOTS a pixel */
     STP_ADDRESS(UintRef, key_ids);       /* exact, packed, when ids are needed beside */
-    STP_ADDRESS(UintRef, counts);        /* exact: fragments a pixel */
+    STP_ADDRESS(UintRef, counts);        /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);       /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
     STP_ADDRESS(Uint64Ref, sums);        /* two-pass: STP_SUM_WORDS a pixel */
     STP_ADDRESS(Vec4Ref, projected);     /* axis: 2 per splat of a list: centre, tau; colour */
+    STP_ADDRESS(Vec4Ref, axis_sums);     /* axis, compute: 2 a pixel and walk */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);

@@ -17,14 +17,15 @@ SLOT_OFFSET(counts, PLAN_COUNTS);
 SLOT_OFFSET(nearest, PLAN_NEAREST);
 SLOT_OFFSET(sums, PLAN_SUMS);
 SLOT_OFFSET(projected, PLAN_PROJECTED);
+SLOT_OFFSET(axis_sums, PLAN_AXIS_SUMS);
 SLOT_OFFSET(out_color, PLAN_OUT_COLOR);
 SLOT_OFFSET(out_normal, PLAN_OUT_NORMAL);
 SLOT_OFFSET(out_depth, PLAN_OUT_DEPTH);
 SLOT_OFFSET(out_albedo, PLAN_OUT_ALBEDO);
 SLOT_OFFSET(out_id, PLAN_OUT_ID);
 /* Scalar layout: nothing is padded before the lights. */
-_Static_assert(offsetof(struct stp_frame_constants, rotation64) == 136 &&
-                   offsetof(struct stp_frame_constants, rotation) == 264,
+_Static_assert(offsetof(struct stp_frame_constants, rotation64) == 144 &&
+                   offsetof(struct stp_frame_constants, rotation) == 272,
                "rotation");
 _Static_assert(offsetof(struct stp_frame_constants, lights) ==
                    offsetof(struct stp_frame_constants, raster_slab) + 4,

@@ -1,5 +1,6 @@
-/* HM 5: every walk into its own pair of images, by the rasteriser and in the order of its list;
- * then one pass that merges them by what each pixel's ray says. */
+/* HM 5: every walk in the order of its list into its own pair of images by the rasteriser, or into
+ * its own sums block by block in compute; then one pass that merges them by what each pixel's ray
+ * says. */
 #include "plan/plan.h"
 
 #include <math.h>
@@ -10,7 +11,9 @@
 #include "scene/scene.h"
 #include "scene/volume.h"
 
-#define DEFAULT_H 0.85 /* HM 5.2 */
+#define DEFAULT_H   0.85 /* HM 5.2 */
+#define MOST_PASSES 64   /* over blocks: parts of walks */
+_Static_assert(AXIS_BLOCK == STP_BLOCK && MOST_PASSES + 2 <= PLAN_MAX_PASSES, "blocks");
 
 /* Of a kernel, in the frame of the shaders: x right, y down, z forward. */
 static void set_shape(struct stp_plan *plan, const struct volume *volume)
@@ -52,6 +55,28 @@ static bool is_cut(const struct stp_plan *plan, const struct stp_scene *scene)
     return low - more < plan->camera.near_depth || high + more > plan->camera.far_depth;
 }
 
+static uint32_t parts_of(const struct stp_plan *plan)
+{
+    return (plan->axis_blocks.longest + STP_AXIS_PART - 1) / STP_AXIS_PART;
+}
+
+static enum stp_result prepare_blocks(const struct stp_env *env, struct stp_plan *plan,
+                                      const struct stp_scene *scene)
+{
+    enum stp_result result =
+        axis_blocks_build(env, scene, &plan->camera, &plan->axis, &plan->axis_blocks);
+    if (result != STP_OK)
+        return result;
+    plan->frame.axis.blocks_x = plan->axis_blocks.across;
+    plan->frame.axis.blocks_y = plan->axis_blocks.down;
+    if (parts_of(plan) * plan->axis.walk_count <= MOST_PASSES)
+        return STP_OK;
+    return log_error(env, STP_ERROR_ARGUMENT,
+                     "%u splats of one list lie in 8 x 8 pixels; a picture so small takes --path "
+                     "raster",
+                     plan->axis_blocks.longest);
+}
+
 enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,
                                   const struct stp_scene *scene)
 {
@@ -71,17 +96,24 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
     plan->constant[PLAN_AXIS_WALKS] = plan->axis.walk_count;
     plan->constant[PLAN_AXIS_CUT] = is_cut(plan, scene);
     plan->constant[PLAN_UNLIT] = scene->volume->unshaded;
-    return STP_OK;
+    return plan->path == STP_PATH_COMPUTE && plan->axis.count ? prepare_blocks(env, plan, scene)
+                                                              : STP_OK;
+}
+
+static void name_walk(const struct stp_plan *plan, unsigned index, char *name, size_t size)
+{
+    static const char *const names[] = { "+x", "-x", "+y", "-y", "+z", "-z" };
+    const struct axis_walk *walk = &plan->axis.walk[index];
+    snprintf(name, size, "walk %s",
+             plan->axis.merge == STP_AXIS_SORT ? "by distance"
+                                               : names[2 * walk->axis + walk->backwards]);
 }
 
 static void draw_walk(struct stp_plan *plan, unsigned index)
 {
-    static const char *const names[] = { "+x", "-x", "+y", "-y", "+z", "-z" };
     const struct axis_walk *walk = &plan->axis.walk[index];
     char name[40];
-    snprintf(name, sizeof name, "walk %s",
-             plan->axis.merge == STP_AXIS_SORT ? "by distance"
-                                               : names[2 * walk->axis + walk->backwards]);
+    name_walk(plan, index, name, sizeof name);
     struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
     pass->vertex = PLAN_SHADER_AXIS_VERTEX;
     pass->shader = PLAN_SHADER_AXIS_FRAGMENT;
@@ -95,26 +127,79 @@ static void draw_walk(struct stp_plan *plan, unsigned index)
     plan_attaches(plan, pass, PLAN_IMAGE_AXIS_DEPTH);
 }
 
+static void block_walk(struct stp_plan *plan, unsigned index)
+{
+    char name[40];
+    name_walk(plan, index, name, sizeof name);
+    for (uint32_t part = 0; part < parts_of(plan); part++) {
+        struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
+        pass->shader = PLAN_SHADER_AXIS_BLOCK;
+        pass->layer = index;
+        pass->part = part;
+        pass->groups = (uint32_t)(plan_pixels(plan) / STP_GROUP / STP_BLOCK) + 1;
+        plan_reads(plan, pass, PLAN_PROJECTED);
+        plan_reads(plan, pass, PLAN_ORDER);
+        plan_reads(plan, pass, PLAN_COUNTS);
+        plan_updates(plan, pass, PLAN_AXIS_SUMS);
+    }
+}
+
+static void project(struct stp_plan *plan)
+{
+    plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT, plan->axis.count * 32);
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "project");
+    pass->shader = PLAN_SHADER_AXIS_PROJECT;
+    pass->groups = (uint32_t)((plan->axis.count + STP_GROUP - 1) / STP_GROUP);
+    plan_reads(plan, pass, PLAN_SPLATS);
+    plan_reads(plan, pass, PLAN_MATERIALS);
+    plan_writes(plan, pass, PLAN_PROJECTED);
+}
+
+static void raster(struct stp_plan *plan)
+{
+    plan_image(plan, "walk color", PLAN_IMAGE_AXIS_COLOR, PLAN_RGBA32F, plan->axis.walk_count);
+    plan_image(plan, "walk depth", PLAN_IMAGE_AXIS_DEPTH, PLAN_RG32F, plan->axis.walk_count);
+    project(plan);
+    for (unsigned i = 0; i < plan->axis.walk_count; i++)
+        draw_walk(plan, i);
+}
+
+static void compute(struct stp_plan *plan)
+{
+    plan_resource(plan, "walk sums", PLAN_AXIS_SUMS, PLAN_TRANSIENT,
+                  plan_pixels(plan) * plan->axis.walk_count * 32);
+    project(plan);
+    for (unsigned i = 0; i < plan->axis.walk_count; i++)
+        block_walk(plan, i);
+}
+
+void plan_axis_resources(struct stp_plan *plan)
+{
+    const struct axis_blocks *blocks = &plan->axis_blocks;
+    size_t lists = plan->axis.walk_count * (size_t)blocks->across * blocks->down;
+    if (plan->axis.count)
+        plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE, plan->axis.count * 32);
+    plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE, sizeof(struct stp_material_gpu));
+    if (!blocks->count)
+        return;
+    plan_resource(plan, "block starts", PLAN_COUNTS, PLAN_SCENE, (lists + 1) * 4);
+    plan_resource(plan, "block splats", PLAN_ORDER, PLAN_SCENE, blocks->count * 4);
+}
+
 void plan_axis(struct stp_plan *plan)
 {
-    uint32_t walks = plan->axis.walk_count;
-    if (walks) {
-        plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT, plan->axis.count * 32);
-        plan_image(plan, "walk color", PLAN_IMAGE_AXIS_COLOR, PLAN_RGBA32F, walks);
-        plan_image(plan, "walk depth", PLAN_IMAGE_AXIS_DEPTH, PLAN_RG32F, walks);
-        struct plan_pass *project = plan_pass(plan, PLAN_DISPATCH, "project");
-        project->shader = PLAN_SHADER_AXIS_PROJECT;
-        project->groups = (uint32_t)((plan->axis.count + STP_GROUP - 1) / STP_GROUP);
-        plan_reads(plan, project, PLAN_SPLATS);
-        plan_reads(plan, project, PLAN_MATERIALS);
-        plan_writes(plan, project, PLAN_PROJECTED);
-    }
-    for (unsigned i = 0; i < walks; i++)
-        draw_walk(plan, i);
+    bool by_raster = plan->path == STP_PATH_RASTER;
+    if (plan->axis.walk_count && by_raster)
+        raster(plan);
+    else if (plan->axis.walk_count)
+        compute(plan);
     struct plan_pass *merge = plan_pass(plan, PLAN_DISPATCH, "merge");
-    merge->shader = walks ? PLAN_SHADER_AXIS_MERGE : PLAN_SHADER_AXIS_EMPTY;
+    merge->shader = plan->axis.walk_count == 0 ? PLAN_SHADER_AXIS_EMPTY
+                    : by_raster                ? PLAN_SHADER_AXIS_MERGE
+                                               : PLAN_SHADER_AXIS_MERGE_SUMS;
     plan_reads(plan, merge, PLAN_IMAGE_AXIS_COLOR);
     plan_reads(plan, merge, PLAN_IMAGE_AXIS_DEPTH);
+    plan_reads(plan, merge, PLAN_AXIS_SUMS);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_DEPTH; slot++)
         plan_writes(plan, merge, slot);
 }

@@ -73,25 +73,29 @@ bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_rende
     return !facts->volume.dims[0] && resolve_method(facts, params) == STP_METHOD_DEFERRED;
 }
 
-/* What the rasteriser's strict order cannot give is the reference's. */
+/* Blocks in compute but where the rasteriser is asked for: measured (docs/results/axis.md). */
 static enum stp_result choose_axis(const struct stp_env *env, struct stp_plan *plan)
 {
     const unsigned needed = STP_FEATURE_FLOAT32_BLEND | STP_FEATURE_STORAGE_FORMATS;
     const unsigned aovs = STP_AOV_POSITION | STP_AOV_COVERAGE | STP_AOV_LAYERS;
-    if (plan->params.path == STP_PATH_COMPUTE || plan_samples(plan) > 1)
+    enum stp_path path = plan->params.path;
+    if (path == STP_PATH_AUTO)
+        path = STP_PATH_COMPUTE;
+    if (plan_samples(plan) > 1)
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "method axis draws by the rasteriser, with one sample a pixel; use --path "
-                         "raster without --samples, or --method reference");
+                         "method axis has one sample a pixel, at its centre; for %u use --method "
+                         "reference",
+                         plan_samples(plan));
     if (plan->params.aovs & ~aovs)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "method axis has the aovs P, coverage and layers; for others use --method "
                          "reference");
-    if ((plan->limits.features & needed) != needed)
+    if (path == STP_PATH_RASTER && (plan->limits.features & needed) != needed)
         return log_error(env, STP_ERROR_FEATURE,
-                         "method axis needs blending into float32 images and "
-                         "shaderStorageImageExtendedFormats, which the device lacks; use --method "
-                         "reference");
-    plan->path = STP_PATH_RASTER;
+                         "axis --path raster needs blending into float32 images and "
+                         "shaderStorageImageExtendedFormats, which the device lacks; use --path "
+                         "compute");
+    plan->path = path;
     return STP_OK;
 }
 
@@ -205,9 +209,10 @@ static void explain(struct stp_plan *plan)
         break;
     case STP_METHOD_AXIS:
         snprintf(why, size,
-                 "%s is %s: sorted lists of kernels, each drawn in strict order by the "
-                 "rasteriser, merged by what each pixel's ray says.",
-                 method, asked);
+                 "%s is %s: sorted lists of kernels, each in strict order by %s, merged by what "
+                 "each pixel's ray says.",
+                 method, asked,
+                 plan->path == STP_PATH_RASTER ? "the rasteriser" : "blocks of pixels in compute");
         break;
     case STP_METHOD_TWO_PASS:
         snprintf(why, size, "%s is %s: two geometry passes by %s, the classical baseline.", method,

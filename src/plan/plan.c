@@ -95,6 +95,7 @@ void stp_plan_destroy(struct stp_plan **plan)
         return;
     mem_free((*plan)->tile);
     axis_lists_release(&(*plan)->axis);
+    axis_blocks_release(&(*plan)->axis_blocks);
     mem_free(*plan);
     *plan = NULL;
 }

@@ -5,7 +5,7 @@
 
 #include <stipple/plan.h>
 
-#include "prepare/axis_lists.h"
+#include "prepare/axis_blocks.h"
 #include "shared/frame.h"
 
 #define PLAN_MAX_RESOURCES 32
@@ -40,6 +40,8 @@ enum plan_constant {
     PLAN_AXIS_WALKS,
     PLAN_AXIS_CUT,
     PLAN_UNLIT,
+    PLAN_AXIS_WALK, /* of a pass */
+    PLAN_AXIS_PART,
     PLAN_CONSTANTS
 };
 
@@ -57,6 +59,7 @@ enum plan_slot {
     PLAN_NEAREST,
     PLAN_SUMS,
     PLAN_PROJECTED,
+    PLAN_AXIS_SUMS,
     PLAN_OUT_COLOR,
     PLAN_OUT_NORMAL,
     PLAN_OUT_DEPTH,
@@ -124,7 +127,9 @@ enum plan_shader {
     PLAN_SHADER_AXIS_PROJECT,
     PLAN_SHADER_AXIS_VERTEX,
     PLAN_SHADER_AXIS_FRAGMENT,
+    PLAN_SHADER_AXIS_BLOCK,
     PLAN_SHADER_AXIS_MERGE,
+    PLAN_SHADER_AXIS_MERGE_SUMS,
     PLAN_SHADER_AXIS_EMPTY,
     PLAN_SHADER_EYE_DOME,
     PLAN_SHADER_BACKGROUND,
@@ -173,7 +178,8 @@ struct plan_pass {
     uint32_t offset;                   /* DISPATCH_INDIRECT: bytes into the work buffer */
     uint32_t groups;                   /* DISPATCH: workgroups; 0: one a block of the tile */
     bool repair;                       /* specialised with PLAN_REPAIR on */
-    uint32_t layer, layer_count;       /* DRAW: of the attachments */
+    uint32_t layer, layer_count;       /* DRAW: of the attachments; axis: the walk */
+    uint32_t part;                     /* axis: of a walk's lists */
     uint32_t first_splat, splat_count; /* DRAW */
     uint8_t access_count;
     struct plan_access access[PLAN_MAX_ACCESSES];
@@ -207,6 +213,7 @@ struct stp_plan {
     uint32_t tile_width, tile_height; /* the largest */
     struct plan_tile *tile;
     struct axis_lists axis;                   /* of the axis method; owned */
+    struct axis_blocks axis_blocks;           /* by compute */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
 };
 
@@ -240,6 +247,9 @@ void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
 void plan_axis(struct stp_plan *plan);
+
+/* Their kernels, and by compute the blocks that they touch. */
+void plan_axis_resources(struct stp_plan *plan);
 
 /* plan/axis.c: the lists of the view, and what shaders need to know of the kernels. */
 enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,

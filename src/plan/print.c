@@ -9,11 +9,11 @@ static const char *const format_names[] = { "buffer", "R32G32_UINT", "R32G32_SFL
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {
-    "groups",          "voronoi",     "packed",       "gauss",      "two_sided",
-    "cull_back",       "floor",       "orthographic", "color",      "objects",
-    "unknown_normals", "head_light",  "local_viewer", "background", "aovs",
-    "squarings",       "repair",      "slot_ids",     "atomic64",   "layered",
-    "float64",         "sample_grid", "axis_walks",   "axis_cut",   "unlit",
+    "groups",       "voronoi",      "packed",    "gauss",       "two_sided",       "cull_back",
+    "floor",        "orthographic", "color",     "objects",     "unknown_normals", "head_light",
+    "local_viewer", "background",   "aovs",      "squarings",   "repair",          "slot_ids",
+    "atomic64",     "layered",      "float64",   "sample_grid", "axis_walks",      "axis_cut",
+    "unlit",        "axis_walk",    "axis_part",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)

@@ -42,10 +42,7 @@ static void scene_resources(struct stp_plan *plan)
 {
     uint64_t n = plan->facts.splats;
     if (plan->method == STP_METHOD_AXIS) {
-        if (plan->axis.count)
-            plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE, plan->axis.count * 32);
-        plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
-                      sizeof(struct stp_material_gpu));
+        plan_axis_resources(plan);
         return;
     }
     plan_resource(plan, "splats", PLAN_SPLATS, PLAN_SCENE, n * 32);
@@ -92,7 +89,8 @@ static void eye_dome(struct stp_plan *plan)
 /* Behind all else, and also where no block was touched. */
 static void background(struct stp_plan *plan)
 {
-    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE)
+    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE ||
+        plan->method == STP_METHOD_AXIS)
         return;
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
@@ -107,7 +105,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     plan->resource_count = plan->pass_count = 0;
     scene_resources(plan);
     outputs(plan);
-    bool compute = plan->path == STP_PATH_COMPUTE;
+    bool compute = plan->path == STP_PATH_COMPUTE && plan->method != STP_METHOD_AXIS;
     if (compute) {
         compute_resources(plan);
         clear_outputs(plan);

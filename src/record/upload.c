@@ -171,7 +171,15 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
             result = upload_materials(env, frame, scene, buffer);
             break;
         case PLAN_ORDER:
-            result = upload_order(env, frame, &scene->splats, buffer);
+            result = scene->volume
+                         ? gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.entry,
+                                      frame->plan->resource[i].bytes)
+                         : upload_order(env, frame, &scene->splats, buffer);
+            break;
+        case PLAN_COUNTS:
+            if (scene->volume)
+                result = gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.first,
+                                    frame->plan->resource[i].bytes);
             break;
         default:
             break;

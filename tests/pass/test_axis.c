@@ -85,11 +85,12 @@ static void expect_pixel(const struct medium *medium, const struct axis_lists *l
 }
 
 static void expect_lists_order(struct device *device, const struct stp_scene *scene,
-                               const struct stp_camera *camera, enum stp_axis_merge merge, double h)
+                               const struct stp_camera *camera, enum stp_path path,
+                               enum stp_axis_merge merge, double h)
 {
-    struct stp_render_params params = { .method = STP_METHOD_AXIS,
-                                        .axis_merge = merge,
-                                        .axis_h = h == 0 ? -1 : h };
+    struct stp_render_params params = {
+        .method = STP_METHOD_AXIS, .path = path, .axis_merge = merge, .axis_h = h == 0 ? -1 : h
+    };
     struct stp_image *image = device_render(device, scene, camera, &params);
     struct view view = { .scene = scene, .width = W, .height = H, .grid = 1, .two_sided = true };
     struct axis_lists lists;
@@ -113,8 +114,11 @@ static void every_merge_in_every_view(void **state)
     for (int v = 0; v < VIEWS + MORE_VIEWS; v++) {
         struct stp_scene *scene = random_volume(11 + (uint32_t)v, v % 3 ? even : flat, v % 2);
         struct stp_camera camera = view_of_index(v);
-        expect_lists_order(&device, scene, &camera, STP_AXIS_BLEND, 0.85);
-        expect_lists_order(&device, scene, &camera, (enum stp_axis_merge)(v % 4), v % 2 ? 0 : 0.99);
+        enum stp_path path = v % 2 ? STP_PATH_RASTER : STP_PATH_COMPUTE;
+        enum stp_path other = v % 2 ? STP_PATH_COMPUTE : STP_PATH_RASTER;
+        expect_lists_order(&device, scene, &camera, path, STP_AXIS_BLEND, 0.85);
+        expect_lists_order(&device, scene, &camera, other, (enum stp_axis_merge)(v % 4),
+                           v % 3 ? 0 : 0.99);
         stp_scene_destroy(&scene);
     }
     device_close(&device);
@@ -160,19 +164,21 @@ static void near_the_exact_order(void **state)
 }
 
 /* Tiles show the same bits; a background lies behind; what nobody sees is empty. */
-static void tiles_background_and_nothing(void **state)
+static void tiles_background_and_nothing(enum stp_path path)
 {
     struct device device;
     static const float background[] = { 0.2f, 0.4f, 0.6f, 0.5f };
     struct stp_scene *scene = random_volume(5, (double[]){ 0.2, 0.2, 0.2 }, false);
     struct stp_camera camera = view_of_index(0);
-    struct stp_render_params params = { .method = STP_METHOD_AXIS };
+    struct stp_render_params params = { .method = STP_METHOD_AXIS, .path = path };
     device_open(&device, 0);
     struct stp_image *whole = device_render(&device, scene, &camera, &params);
     params.memory_limit = 200000;
     struct stp_image *tiled = device_render(&device, scene, &camera, &params);
     expect_same_bits(whole, tiled, "tiles");
-    params = (struct stp_render_params){ .method = STP_METHOD_AXIS, .background = background };
+    params = (struct stp_render_params){ .method = STP_METHOD_AXIS,
+                                         .path = path,
+                                         .background = background };
     struct stp_image *behind = device_render(&device, scene, &camera, &params);
     for (uint32_t y = 0; y < H; y += 3)
         for (uint32_t x = 0; x < W; x += 3) {
@@ -191,10 +197,48 @@ static void tiles_background_and_nothing(void **state)
     stp_scene_destroy(&scene);
 }
 
+static void by_the_rasteriser(void **state)
+{
+    tiles_background_and_nothing(STP_PATH_RASTER);
+}
+
+static void by_compute(void **state)
+{
+    tiles_background_and_nothing(STP_PATH_COMPUTE);
+}
+
+/* 260000 splats on 8 x 8 pixels: lists longer than what one pass takes. */
+static void long_lists_go_on(void **state)
+{
+    struct device device;
+    struct stp_scene *scene = block_scene((uint32_t[]){ 64, 64, 64 }, (double[]){ 1, 1, 1 }, 0.002);
+    struct stp_camera camera = plain_camera(8, 8, 40);
+    struct stp_render_params params = { .method = STP_METHOD_AXIS, .path = STP_PATH_COMPUTE };
+    struct stp_plan *plan = NULL;
+    look_at(&camera, v3(0, 0, 400), v3(0, 0, 0));
+    device_open(&device, 0);
+    assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+    assert_true(plan->axis_blocks.longest > STP_AXIS_PART);
+    assert_int_equal(plan->pass_count,
+                     2 + (plan->axis_blocks.longest + STP_AXIS_PART - 1) / STP_AXIS_PART);
+    struct stp_image *image = device_render_plan(&device, scene, plan);
+    struct stp_image *truth = render_volume(scene, &camera, &params);
+    for (uint32_t i = 0; i < 64; i++)
+        close_to((double)value(image, "A", i % 8, i / 8), (double)value(truth, "A", i % 8, i / 8),
+                 1e-4);
+    stp_image_destroy(&image);
+    stp_image_destroy(&truth);
+    stp_plan_destroy(&plan);
+    device_close(&device);
+    stp_scene_destroy(&scene);
+}
+
 int main(void)
 {
-    const struct CMUnitTest tests[] = { cmocka_unit_test(every_merge_in_every_view),
-                                        cmocka_unit_test(near_the_exact_order),
-                                        cmocka_unit_test(tiles_background_and_nothing) };
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_merge_in_every_view), cmocka_unit_test(near_the_exact_order),
+        cmocka_unit_test(by_the_rasteriser),         cmocka_unit_test(by_compute),
+        cmocka_unit_test(long_lists_go_on),
+    };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -18,11 +18,12 @@ static struct inputs volume_inputs(void)
 static bool mentions_axis(const struct stp_plan *plan)
 {
     bool found = plan->axis.count || plan->axis.order;
-    for (int c = PLAN_AXIS_WALKS; c <= PLAN_UNLIT; c++)
+    for (int c = PLAN_AXIS_WALKS; c <= PLAN_AXIS_PART; c++)
         found = found || plan->constant[c];
     for (enum plan_slot slot = PLAN_IMAGE_AXIS_COLOR; slot <= PLAN_IMAGE_AXIS_DEPTH; slot++)
         found = found || plan_find(plan, slot) != PLAN_NONE;
-    found = found || plan_find(plan, PLAN_PROJECTED) != PLAN_NONE;
+    found = found || plan_find(plan, PLAN_PROJECTED) != PLAN_NONE ||
+            plan_find(plan, PLAN_AXIS_SUMS) != PLAN_NONE;
     for (uint32_t i = 0; i < plan->pass_count; i++)
         found = found || (plan->pass[i].shader >= PLAN_SHADER_AXIS_PROJECT &&
                           plan->pass[i].shader <= PLAN_SHADER_AXIS_EMPTY);
@@ -51,7 +52,8 @@ static void one_axis_costs_one_list(void **state)
     assert_int_equal(plan->axis.walk_count, 1);
     assert_int_equal(plan->axis.count, kernels);
     assert_int_equal(resource_named(plan, "kernels")->bytes, 32 * kernels);
-    assert_int_equal(resource_named(plan, "walk color")->layers, 1);
+    assert_int_equal(plan_find(plan, PLAN_IMAGE_AXIS_COLOR), PLAN_NONE);
+    assert_int_equal(resource_named(plan, "walk sums")->bytes, 64 * 48 * 32);
     assert_non_null(pass_named(plan, "walk -z"));
     assert_null(pass_named(plan, "walk -x"));
     assert_int_equal(plan->constant[PLAN_AXIS_CUT], 0);
@@ -63,6 +65,7 @@ static void three_axes_cost_three(void **state)
 {
     struct inputs in = volume_inputs();
     look_at(&in.camera, v3(20, 20.5, 21), v3(0, 0, 0));
+    in.params.path = STP_PATH_RASTER;
     struct stp_plan *plan = plan_of(&in);
     assert_int_equal(plan->axis.walk_count, 3);
     assert_int_equal(resource_named(plan, "walk depth")->layers, 3);
@@ -96,7 +99,7 @@ static void nothing_in_view_needs_no_list(void **state)
     struct stp_plan *plan = plan_of(&in);
     assert_int_equal(plan->axis.walk_count, 0);
     assert_null(resource_named(plan, "kernels"));
-    assert_null(resource_named(plan, "walk color"));
+    assert_null(resource_named(plan, "walk sums"));
     assert_int_equal(plan->pass_count, 1);
     stp_plan_destroy(&plan);
     release_inputs(&in);
@@ -126,15 +129,13 @@ static void what_does_not_fit_is_refused(void **state)
     in.params.samples = 4;
     refuse(&in, STP_ERROR_ARGUMENT, "one sample");
     in = good;
-    in.params.path = STP_PATH_COMPUTE;
-    refuse(&in, STP_ERROR_ARGUMENT, "rasteriser");
-    in = good;
     in.params.aovs = STP_AOV_ID;
     refuse(&in, STP_ERROR_ARGUMENT, "aovs");
     in = good;
     in.params.axis_h = 1;
     refuse(&in, STP_ERROR_ARGUMENT, "below 1");
     in = good;
+    in.params.path = STP_PATH_RASTER;
     in.params.mask_features = STP_FEATURE_FLOAT32_BLEND;
     refuse(&in, STP_ERROR_FEATURE, "float32");
     in = good;

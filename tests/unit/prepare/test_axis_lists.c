@@ -2,7 +2,7 @@
  * reference's code, pixel by pixel. */
 #include "volumes.h"
 #include "base/memory.h"
-#include "prepare/axis_lists.h"
+#include "prepare/axis_blocks.h"
 
 enum { N = 7, W = 28, H = 20 };
 
@@ -206,6 +206,55 @@ static void some_weight_is_one(void **state)
         }
 }
 
+/* Every fragment with a weight is of a splat that its block lists, once and in the list's order. */
+static void expect_block(const struct medium *medium, const struct stp_camera *camera,
+                         const struct axis_lists *lists, const struct axis_blocks *blocks,
+                         unsigned w, uint32_t b)
+{
+    const struct axis_walk *walk = &lists->walk[w];
+    size_t list = w * (size_t)blocks->across * blocks->down + b, at = blocks->first[list];
+    assert_true(blocks->first[list + 1] - at <= blocks->longest);
+    for (uint32_t i = walk->first; i < walk->first + walk->count; i++) {
+        bool listed = at < blocks->first[list + 1] && blocks->entry[at] == i;
+        uint32_t k = lists->order[i];
+        at += listed;
+        for (int p = 0; !listed && p < AXIS_BLOCK * AXIS_BLOCK; p++) {
+            int x = (int)(b % blocks->across) * AXIS_BLOCK + p % AXIS_BLOCK;
+            int y = (int)(b / blocks->across) * AXIS_BLOCK + p / AXIS_BLOCK;
+            struct ray ray = eye_ray(&medium->view->eye, x + 0.5, y + 0.5);
+            struct medium_fragment f;
+            assert_false(x < W && y < H &&
+                         share(camera, x, y, walk->axis, walk->backwards) > lists->h &&
+                         medium_hit(medium, medium_centre(medium, k),
+                                    (double)medium->volume->kernels.tau[k], &ray, &f));
+        }
+    }
+    assert_int_equal(at, blocks->first[list + 1]);
+}
+
+static void blocks_hold_every_fragment(void **state)
+{
+    for (int v = 0; v < VIEWS + MORE_VIEWS; v++) {
+        struct stp_scene *scene = random_scene(40 + (uint32_t)v, (double[]){ 0.25, 0.2, 0.3 });
+        struct stp_camera camera = view_of_index(v);
+        struct view view = reference_view(scene, &camera);
+        struct medium medium;
+        struct axis_lists lists;
+        struct axis_blocks blocks;
+        assert_int_equal(medium_init(NULL, &view, &medium), STP_OK);
+        assert_int_equal(axis_lists_build(NULL, scene, &camera, STP_AXIS_BLEND, 0.5, &lists),
+                         STP_OK);
+        assert_int_equal(axis_blocks_build(NULL, scene, &camera, &lists, &blocks), STP_OK);
+        for (unsigned w = 0; w < lists.walk_count; w++)
+            for (uint32_t b = 0; b < blocks.across * blocks.down; b++)
+                expect_block(&medium, &camera, &lists, &blocks, w, b);
+        axis_blocks_release(&blocks);
+        axis_lists_release(&lists);
+        medium_release(&medium);
+        stp_scene_destroy(&scene);
+    }
+}
+
 static void one_voxel_and_none(void **state)
 {
     struct stp_scene *scene = block_scene((uint32_t[]){ 1, 1, 1 }, (double[]){ 1, 1, 1 }, 0.5);
@@ -244,6 +293,20 @@ static void threads_and_allocations(void **state)
         }
         assert_int_equal(a.count, b.count);
         assert_memory_equal(a.order, b.order, a.count * sizeof *a.order);
+        struct axis_blocks x = { 0 }, y;
+        assert_int_equal(axis_blocks_build(&many, scene, &camera, &b, &y), STP_OK);
+        result = STP_ERROR_MEMORY;
+        for (unsigned long n = 1; result != STP_OK; n++) {
+            mem_fail_at(n);
+            result = axis_blocks_build(&one, scene, &camera, &a, &x);
+            mem_fail_at(0);
+            assert_true(result == STP_OK || (result == STP_ERROR_MEMORY && !x.first));
+            assert_true(n < 50);
+        }
+        assert_int_equal(x.count, y.count);
+        assert_memory_equal(x.entry, y.entry, x.count * sizeof *x.entry);
+        axis_blocks_release(&x);
+        axis_blocks_release(&y);
         axis_lists_release(&a);
         axis_lists_release(&b);
     }
@@ -257,6 +320,7 @@ int main(void)
         cmocka_unit_test(lists_are_in_order),
         cmocka_unit_test(one_axis_one_list),
         cmocka_unit_test(some_weight_is_one),
+        cmocka_unit_test(blocks_hold_every_fragment),
         cmocka_unit_test(one_voxel_and_none),
         cmocka_unit_test(threads_and_allocations),
     };
