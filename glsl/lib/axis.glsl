@@ -51,6 +51,7 @@ float axis_alpha(Ray r, vec3 centre, float tau, out float depth)
         share = 0.5 * (erf_of(min((frame.far_depth - peak) * root, 9)) -
                        erf_of(max((frame.near_depth - peak) * root, -9)));
     }
-    float alpha = 1 - exp(-tau * r.scale * share * exp(-0.5 * max(m2, 0)));
+    float x = tau * r.scale * share * exp(-0.5 * max(m2, 0));
+    float alpha = x < 0.015625 ? x * (1 - x * (0.5 - x / 6)) : 1 - exp(-x); // thin media keep digits
     return seen <= frame.axis.reach2 && alpha >= frame.axis.least_alpha ? alpha : 0;
 }

@@ -207,15 +207,16 @@ static void by_compute(void **state)
     tiles_background_and_nothing(STP_PATH_COMPUTE);
 }
 
-/* 260000 splats on 8 x 8 pixels: lists longer than what one pass takes. */
+/* 100000 splats on 8 x 8 pixels: lists longer than what one pass takes. */
 static void long_lists_go_on(void **state)
 {
     struct device device;
-    struct stp_scene *scene = block_scene((uint32_t[]){ 64, 64, 64 }, (double[]){ 1, 1, 1 }, 0.002);
-    struct stp_camera camera = plain_camera(8, 8, 40);
+    struct stp_scene *scene =
+        block_scene((uint32_t[]){ 10, 10, 1000 }, (double[]){ 1, 1, 1 }, 0.002);
+    struct stp_camera camera = plain_camera(8, 8, 2800);
     struct stp_render_params params = { .method = STP_METHOD_AXIS, .path = STP_PATH_COMPUTE };
     struct stp_plan *plan = NULL;
-    look_at(&camera, v3(0, 0, 400), v3(0, 0, 0));
+    look_at(&camera, v3(0, 0, 4000), v3(0, 0, 0));
     device_open(&device, 0);
     assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
     assert_true(plan->axis_blocks.longest > STP_AXIS_PART);
