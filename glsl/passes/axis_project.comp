@@ -32,7 +32,7 @@ void main()
                                     frame.translation[2]);
     vec3 color = look.xyz;
     uint encoded = floatBitsToUint(look.w);
-    if (!UNLIT && encoded != STP_AXIS_FLAT) {
+    if (!UNLIT && encoded != STP_NO_NORMAL) {
         vec3 n = turn(decode_normal(encoded));
         if ((ORTHOGRAPHIC ? n.z : dot(n, c)) > 0)
             n = -n;

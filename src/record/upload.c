@@ -49,19 +49,57 @@ static enum stp_result upload_splats(const struct stp_env *env, struct record_fr
     return result;
 }
 
-/* Octahedral, two snorms of 16 bits; of no normal the one word that no normal gives. */
-static uint32_t encode_normal(const float n[3])
+/* 32 bits of an octahedral map, as unpackSnorm2x16 reads them. */
+static uint32_t octahedral(const float n[3])
 {
-    double size = fabs((double)n[0]) + fabs((double)n[1]) + fabs((double)n[2]);
-    double x = (double)n[0] / size, y = (double)n[1] / size;
-    if (!(size > 0))
-        return STP_AXIS_FLAT;
+    float sum = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]), x = n[0] / sum, y = n[1] / sum;
+    if (sum == 0)
+        return STP_NO_NORMAL;
     if (n[2] < 0) {
-        double fold = 1 - fabs(y);
-        y = copysign(1 - fabs(x), y);
-        x = copysign(fold, x);
+        float fold = (1 - fabsf(y)) * (x >= 0 ? 1.f : -1.f);
+        y = (1 - fabsf(x)) * (y >= 0 ? 1.f : -1.f);
+        x = fold;
     }
-    return ((uint32_t)lrint(x * 32767) & 0xffff) | (uint32_t)lrint(y * 32767) << 16;
+    uint32_t u = (uint32_t)lrintf(x * 32767) & 0xffff, v = (uint32_t)lrintf(y * 32767) & 0xffff;
+    return u | v << 16;
+}
+
+struct point_texel {
+    float position[3];
+    uint32_t normal;
+};
+
+struct point_packing {
+    const struct splats *splats;
+    struct point_texel *out;
+};
+
+static void pack_points(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct point_packing *p = context;
+    const struct splats *s = p->splats;
+    for (size_t i = begin; i < end; i++) {
+        for (int k = 0; k < 3; k++)
+            p->out[i].position[k] = (float)(s->position[i][k] - s->origin[k]);
+        p->out[i].normal = octahedral(s->normal[i]);
+    }
+}
+
+static enum stp_result upload_points(const struct stp_env *env, struct record_frame *frame,
+                                     const struct splats *splats, struct gpu_buffer *buffer)
+{
+    struct point_packing packing = { splats, NULL };
+    bool direct = buffer->mapped && buffer->coherent;
+    packing.out = direct ? buffer->mapped : mem_alloc(splats->count, sizeof *packing.out);
+    if (!packing.out)
+        return log_no_memory(env, splats->count * sizeof *packing.out, "staging of points");
+    parallel_for(env, splats->count, 16384, pack_points, &packing);
+    if (direct)
+        return STP_OK;
+    enum stp_result result =
+        gpu_upload(env, frame->context, buffer, packing.out, splats->count * sizeof *packing.out);
+    mem_free(packing.out);
+    return result;
 }
 
 struct kernel_packing {
@@ -77,7 +115,7 @@ static void pack_kernels(void *context, size_t begin, size_t end, unsigned worke
     const struct kernels *k = &p->scene->volume->kernels;
     const struct grid *grid = &p->scene->volume->grid;
     for (size_t i = begin; i < end; i++) {
-        uint32_t id = p->order[i], at[3], normal = STP_AXIS_FLAT;
+        uint32_t id = p->order[i], at[3], normal = STP_NO_NORMAL;
         float *out = p->out[i];
         voxel_place(grid, k->voxel[id], at);
         for (int a = 0; a < 3; a++) {
@@ -87,7 +125,7 @@ static void pack_kernels(void *context, size_t begin, size_t end, unsigned worke
         }
         out[3] = k->tau[id];
         if (k->normal)
-            normal = encode_normal(k->normal[id]);
+            normal = octahedral(k->normal[id]);
         memcpy(&out[7], &normal, 4);
     }
 }
@@ -107,6 +145,20 @@ static enum stp_result upload_kernels(const struct stp_env *env, struct record_f
     enum stp_result result =
         gpu_upload(env, frame->context, buffer, packing.out, lists->count * 32);
     mem_free(packing.out);
+    return result;
+}
+
+static enum stp_result upload_objects(const struct stp_env *env, struct record_frame *frame,
+                                      const struct splats *splats, struct gpu_buffer *buffer)
+{
+    uint32_t *object = mem_alloc(splats->count, sizeof *object);
+    if (!object)
+        return log_no_memory(env, splats->count * sizeof *object, "the objects of points");
+    for (size_t i = 0; i < splats->count; i++)
+        object[i] = splats->object ? splats->object[i] : 0;
+    enum stp_result result =
+        gpu_upload(env, frame->context, buffer, object, splats->count * sizeof *object);
+    mem_free(object);
     return result;
 }
 
@@ -168,6 +220,16 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
         case PLAN_COLORS:
             result = gpu_upload(env, frame->context, buffer, scene->splats.color,
                                 scene->splats.count * 12);
+            break;
+        case PLAN_TEXEL_POINTS:
+            result = upload_points(env, frame, &scene->splats, buffer);
+            break;
+        case PLAN_TEXEL_RADII:
+            result = gpu_upload(env, frame->context, buffer, scene->splats.radius,
+                                scene->splats.count * 4);
+            break;
+        case PLAN_OBJECTS:
+            result = upload_objects(env, frame, &scene->splats, buffer);
             break;
         case PLAN_MATERIALS:
             result = upload_materials(env, frame, scene, buffer);
