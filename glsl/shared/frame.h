@@ -123,10 +123,12 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; then the nearest sample, hits */
     STP_DOUBLE rotation64[9]; /* WITH_FLOAT64: centres are projected in double */
     STP_DOUBLE translation64[3];
+    STP_DOUBLE eye64[3]; /* relative to the origin; orthographic: the direction of sight */
     STP_DOUBLE focal64[2];
     STP_DOUBLE center64[2];
     float rotation[9];    /* world to camera: x right, y down, z forward */
     float translation[3]; /* of positions relative to the origin */
+    float eye[3];         /* as eye64 */
     float focal[2];       /* pixels */
     float inv_focal[2];
     float center[2];

@@ -27,7 +27,7 @@ SLOT_OFFSET(out_albedo, PLAN_OUT_ALBEDO);
 SLOT_OFFSET(out_id, PLAN_OUT_ID);
 /* Scalar layout: nothing is padded before the lights. */
 _Static_assert(offsetof(struct stp_frame_constants, rotation64) == 160 &&
-                   offsetof(struct stp_frame_constants, rotation) == 288,
+                   offsetof(struct stp_frame_constants, rotation) == 312,
                "rotation");
 _Static_assert(offsetof(struct stp_frame_constants, lights) ==
                    offsetof(struct stp_frame_constants, pyramid_color) + 4,

@@ -237,6 +237,18 @@ static void explain(struct stp_plan *plan)
     }
 }
 
+void plan_leave_device(struct stp_plan *plan)
+{
+    plan->method = STP_METHOD_REFERENCE;
+    plan->path = STP_PATH_AUTO;
+    plan->payload = STP_PAYLOAD_AUTO;
+    plan->voronoi = STP_VORONOI_DEFAULT;
+    snprintf(plan->why, sizeof plan->why,
+             "reference is chosen: %zu splats are more than the device's %llu bytes hold; float64 "
+             "on the CPU.",
+             plan->facts.splats, (unsigned long long)plan->limits.heap_bytes);
+}
+
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
 {
     enum stp_result result = choose_transparency(env, plan);

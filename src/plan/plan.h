@@ -280,6 +280,8 @@ struct stp_plan {
 
 /* plan/choose.c: method, path, payload, voronoi and why. */
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
+/* The reference in place of what was chosen: the device cannot hold the scene. */
+void plan_leave_device(struct stp_plan *plan);
 
 /* plan/steps.c: what the methods' files share. */
 uint8_t plan_resource(struct stp_plan *plan, const char *name, enum plan_slot slot,

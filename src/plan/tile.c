@@ -211,10 +211,42 @@ static enum stp_result lay_out(const struct stp_env *env, struct stp_plan *plan)
     return STP_OK;
 }
 
+/* What grows with the splats and not with the tile: no tile is small enough for too much of it. */
+static bool scene_too_large(const struct stp_plan *plan)
+{
+    uint64_t bytes = 0, most = 0;
+    for (uint32_t i = 0; i < plan->resource_count; i++) {
+        const struct plan_resource *r = &plan->resource[i];
+        if (r->lifetime != PLAN_SCENE && r->slot != PLAN_LARGE)
+            continue;
+        bytes += r->bytes;
+        most = r->bytes > most ? r->bytes : most;
+    }
+    return bytes > plan->limits.heap_bytes / 8 * 7 || most > plan->limits.max_allocation;
+}
+
+/* A scene that the device cannot hold is still rendered where no method was asked for. */
+static enum stp_result leave_device(const struct stp_env *env, struct stp_plan *plan)
+{
+    unsigned long long scene = plan_bytes(plan, PLAN_SCENE), heap = plan->limits.heap_bytes;
+    unsigned long long once = plan->limits.max_allocation;
+    if (plan->params.method != STP_METHOD_AUTO)
+        return log_error(
+            env, STP_ERROR_DEVICE_MEMORY,
+            "the device has %llu bytes, at most %llu in one buffer, and the scene takes "
+            "%llu; --method reference renders it on the CPU",
+            heap, once, scene);
+    plan->resource_count = plan->pass_count = 0;
+    plan_leave_device(plan);
+    return STP_OK;
+}
+
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
 {
     uint32_t w = plan->camera.width, h = plan->camera.height, columns = 1, rows = 1;
     steps(plan, w, h);
+    if (scene_too_large(plan))
+        return leave_device(env, plan);
     uint64_t scene = plan_bytes(plan, PLAN_SCENE), heap = plan->limits.heap_bytes / 8 * 7;
     uint64_t limit = heap > scene ? heap - scene : 0;
     if (plan->params.memory_limit && plan->params.memory_limit < limit)
