@@ -9,10 +9,10 @@
 #include "base/memory.h"
 #include "scene/scene.h"
 
-#define MOST   4
-#define WIDTH  93
-#define HEIGHT 61
-#define POINTS 700
+#define PROCESSES 4
+#define WIDTH     93
+#define HEIGHT    61
+#define POINTS    700
 
 /* --- machines that share memory ----------------------------------------------------------------
  */
@@ -20,8 +20,8 @@
 struct room {
     pthread_barrier_t barrier;
     unsigned count;
-    enum stp_result result[MOST];
-    int64_t *values[MOST];
+    enum stp_result result[PROCESSES];
+    int64_t *values[PROCESSES];
     unsigned reductions;
 };
 
@@ -76,13 +76,13 @@ struct wish {
     unsigned samples, aovs, mask_features;
     uint64_t memory_limit;
     bool background;
-    double near_share; /* 0: framed; else the near plane cuts the scene */
+    double near_depth; /* 0: as framed */
 };
 
 static void add(struct stp_scene *scene, const struct wish *wish, unsigned object, uint32_t seed)
 {
-    static double position[POINTS][3];
-    static float color[POINTS][3], normal[POINTS][3];
+    double position[POINTS][3];
+    float color[POINTS][3], normal[POINTS][3];
     for (unsigned i = 0; i < POINTS; i++) {
         double z = 1 - (2 * i + 1.0) / POINTS, ring = sqrt(1 - z * z), turn = i * 2.399963;
         struct vec3 p = v3(ring * cos(turn), ring * sin(turn), z);
@@ -98,7 +98,7 @@ static void add(struct stp_scene *scene, const struct wish *wish, unsigned objec
                                  .position = position,
                                  .normal = wish->normals ? normal : NULL,
                                  .color = wish->colors ? color : NULL };
-    struct stp_material material = { .1f, .7f, .2f, object ? 8 : 32, { .8f, .5f, .2f } };
+    struct stp_material material = { .1f, .7f, .2f, object ? 8 : 32, { .8f, .5f, .2f }, 1 };
     struct stp_object_params params = { .material = &material, .epsilon = object ? 0.3 : 0 };
     assert_int_equal(stp_scene_add_points(NULL, scene, &points, &params), STP_OK);
 }
@@ -121,8 +121,8 @@ static struct stp_camera framed(const struct stp_scene *scene, const struct wish
         .azimuth = 0.4, .elevation = 0.3, .width = WIDTH, .height = HEIGHT
     };
     assert_int_equal(stp_camera_frame(scene, &params, &camera), STP_OK);
-    if (wish->near_share > 0)
-        camera.near_depth = wish->near_share;
+    if (wish->near_depth > 0)
+        camera.near_depth = wish->near_depth;
     return camera;
 }
 
@@ -181,7 +181,7 @@ static void *run_job(void *user)
 /* Devices are opened before and closed after, on the test's own thread. */
 static void run_all(struct device *devices, struct room *room, struct job *jobs, unsigned count)
 {
-    pthread_t thread[MOST];
+    pthread_t thread[PROCESSES];
     *room = (struct room){ .count = count };
     pthread_barrier_init(&room->barrier, NULL, count);
     for (unsigned i = 0; i < count; i++) {
@@ -216,11 +216,11 @@ static const struct wish wishes[] = {
       .colors = true,
       .mask_features = STP_FEATURE_INT64_ATOMICS },
     { .what = "normals estimated, a background", .background = true },
-    { .what = "cut by the near plane", .normals = true, .near_share = 4.0, .aovs = STP_AOV_ID },
+    { .what = "cut by the near plane", .normals = true, .near_depth = 4.0, .aovs = STP_AOV_ID },
 };
 #define WISHES (sizeof wishes / sizeof *wishes)
 
-static struct device devices[MOST];
+static struct device devices[PROCESSES];
 
 /* Ids too: all processes have the same input. */
 static void expect_alike(const struct stp_image *image, const struct stp_image *whole,
@@ -243,8 +243,8 @@ static void test_same_bits(void **state)
         struct stp_render_params params = params_of(wish);
         struct stp_image *whole = device_render(&devices[0], scene, &camera, &params);
         stp_scene_destroy(&scene);
-        for (unsigned count = 1; count <= MOST; count += count == 2 ? 2 : 1) {
-            struct job jobs[MOST] = { 0 };
+        for (unsigned count = w == 1 ? 1 : 3; count <= (w == 1 ? PROCESSES : 3); count++) {
+            struct job jobs[PROCESSES] = { 0 };
             struct room room;
             for (unsigned i = 0; i < count; i++)
                 jobs[i].wish = wish;
@@ -336,14 +336,14 @@ static void test_refused(void **state)
 
 static int open_devices(void **state)
 {
-    for (unsigned i = 0; i < MOST; i++)
+    for (unsigned i = 0; i < PROCESSES; i++)
         device_open(&devices[i], 0);
     return 0;
 }
 
 static int close_devices(void **state)
 {
-    for (unsigned i = 0; i < MOST; i++)
+    for (unsigned i = 0; i < PROCESSES; i++)
         device_close(&devices[i]);
     return 0;
 }
