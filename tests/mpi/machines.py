@@ -12,6 +12,12 @@ MPIRUN = sys.argv.pop(1)
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
 import command
 
+# As root in a container, and with more processes than processors.
+for name in ["ALLOW_RUN_AS_ROOT", "ALLOW_RUN_AS_ROOT_CONFIRM", "MCA_rmaps_base_oversubscribe",
+             "MCA_mpi_yield_when_idle"]:
+    os.environ["OMPI_" + name] = "1"
+os.environ["OMPI_MCA_btl_vader_single_copy_mechanism"] = "none"
+
 SIZE = ["--size", "96x64", "--method", "two-pass", "--threads", "1"]
 AOVS = ["--aov", "albedo,P,weight,fragments,coverage,id,layers"]
 
@@ -125,6 +131,7 @@ class Machines(command.CommandTest):
              "--samples", "4096", "--size", "1024x1024", "-o", "out.exr"], cwd=self.folder,
             stdout=subprocess.DEVNULL, stderr=subprocess.PIPE)
         while not (os.path.exists(self.path("pid.1")) and self.read("pid.1").strip()):
+            self.assertIsNone(process.poll(), "ended too soon")
             time.sleep(0.01)
         time.sleep(1)
         os.kill(int(self.read("pid.1")), signal.SIGKILL)
