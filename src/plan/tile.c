@@ -193,6 +193,11 @@ static enum stp_result cut_picture(const struct stp_env *env, struct stp_plan *p
     steps(plan, w, h);
     while (!fits(plan, room(plan))) {
         uint32_t least = STP_BLOCK + 2 * margin(plan);
+        if (plan->tile_width <= least && plan->tile_height <= least &&
+            largest(plan) > plan->limits.max_allocation)
+            return log_error(
+                env, STP_ERROR_DEVICE_MEMORY, "one buffer takes %llu bytes; the device allows %llu",
+                (unsigned long long)largest(plan), (unsigned long long)plan->limits.max_allocation);
         if (plan->tile_width <= least && plan->tile_height <= least)
             return log_error(env, STP_ERROR_DEVICE_MEMORY,
                              "the device has %llu bytes; the scene takes %llu, and not even a tile "
