@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cli.h"
+#include "machines.h"
 
 #define INFO     COMMAND_INFO
 #define RENDER   COMMAND_RENDER
@@ -87,6 +88,11 @@ const struct option_spec option_table[] = {
       "render the cameras A to B, both included, of a camera path; the first is 0 (default: only "
       "the first)",
       value_frames, 0, "A:B, whole numbers with A <= B", 0, 999999, NULL },
+    { NULL, RENDER, "split", 0, "points|frames",
+      "started by mpirun or srun: all processes make each picture together, every one with its "
+      "share of the points, by two-pass --path compute; or each makes frames of its own, by any "
+      "method (default: points)",
+      value_choice, AT(split), NULL, 0, 0, NULL },
     { NULL, RENDER, "write-camera", 0, "FILE.json",
       "write the camera that was used (default: none)",
       value_text, AT(write_camera), "the name of a file", 0, 0, NULL },
@@ -274,6 +280,8 @@ _Static_assert(sizeof option_table / sizeof *option_table <= MOST_OPTIONS, "sett
 int wrong_usage(const struct command *command, const char *format, ...)
 {
     va_list args;
+    if (!machines_speaks())
+        return EXIT_COMMAND_LINE;
     va_start(args, format);
     fputs("stipple: ", stderr);
     vfprintf(stderr, format, args);

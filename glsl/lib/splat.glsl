@@ -336,6 +336,6 @@ float object_epsilon(uint id)
 {
     if (!HAS_OBJECTS)
         return frame.epsilon;
-    uint known = min(id, frame.splat_count - 1);
+    uint known = min(id, frame.known_count - 1);
     return frame.materials.v[floatBitsToUint(frame.splats.v[2 * known + 1].w) >> 8].epsilon;
 }

@@ -141,6 +141,7 @@ struct stp_frame_constants {
     float slab_scale;  /* 1 / epsilon: slabs a scene unit, for keys that carry ids */
     uint depth_bits;   /* m: epsilon is 2^m quantised steps */
     uint splat_count;
+    uint known_count; /* and those behind them that stand for other processes' splats */
     uint width, height;           /* of the whole picture */
     uint tile_x, tile_y;          /* the region being rendered */
     uint tile_width, tile_height; /* <= width, height */

@@ -58,6 +58,7 @@ struct stp_frame_constants pass_constants(const struct stp_plan *plan,
     for (uint32_t i = 0; i < plan->resource_count; i++)
         if (plan->resource[i].slot < PLAN_BUFFER_SLOTS)
             address[plan->resource[i].slot] = resources->buffer[i].address;
+    constants.known_count = (uint32_t)(plan_splats(plan) + plan_ghosts(plan));
     constants.tile_x = tile->x;
     constants.tile_y = tile->y;
     constants.tile_width = tile->width;

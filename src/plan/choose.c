@@ -5,8 +5,9 @@
 
 #include "base/log.h"
 
-#define LEAST_DEPTH_BITS 8      /* packed keys: epsilon is at least 2^8 quantised steps */
-#define MOST_SLABS       262142 /* keys with ids hold 18 bits of slab */
+#define LEAST_DEPTH_BITS 8           /* packed keys: epsilon is at least 2^8 quantised steps */
+#define MOST_SHARED      0x7f000000u /* keys hold 31 bits of id */
+#define MOST_SLABS       262142      /* keys with ids hold 18 bits of slab */
 
 /* The method whose passes composite these layers. */
 static enum stp_method method_of(enum stp_transparency transparency)
@@ -249,9 +250,35 @@ void plan_leave_device(struct stp_plan *plan)
              plan->facts.splats, (unsigned long long)plan->limits.heap_bytes);
 }
 
+/* Sort-last: minima and sums in fixed point are what several processes can compose to the same
+ * bits, and only two-pass by compute is made of nothing else. */
+static enum stp_result choose_share(const struct stp_env *env, struct stp_plan *plan)
+{
+    struct stp_render_params *p = &plan->params;
+    if (!plan->share.count)
+        return STP_OK;
+    if (p->method == STP_METHOD_AUTO)
+        p->method = STP_METHOD_TWO_PASS;
+    if (p->method != STP_METHOD_TWO_PASS || p->path == STP_PATH_RASTER)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "several processes make one picture by --method two-pass --path compute "
+                         "only; for other methods split frames (--split frames)");
+    if (plan->facts.transparent)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "several processes make one picture of opaque scenes only; this one is "
+                         "transparent: split frames (--split frames)");
+    if (plan->facts.splats > MOST_SHARED)
+        return log_error(env, STP_ERROR_ARGUMENT, "%zu splats in all: at most %u",
+                         plan->facts.splats, MOST_SHARED);
+    p->path = STP_PATH_COMPUTE;
+    return STP_OK;
+}
+
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
 {
-    enum stp_result result = choose_transparency(env, plan);
+    enum stp_result result = choose_share(env, plan);
+    if (result == STP_OK)
+        result = choose_transparency(env, plan);
     if (result != STP_OK)
         return result;
     if (plan->method == STP_METHOD_REFERENCE) {

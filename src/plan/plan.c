@@ -76,6 +76,7 @@ enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scen
     made->params = *params;
     made->camera = *camera;
     made->facts = scene->facts;
+    made->share = (struct plan_share){ scene->share.rank, scene->share.count, scene->splats.count };
     made->limits = *limits;
     made->limits.features &= ~params->mask_features;
     if (params->background) {

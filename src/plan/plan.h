@@ -196,6 +196,7 @@ enum plan_kind {
     PLAN_DISPATCH,
     PLAN_DISPATCH_INDIRECT, /* three words at `offset` of the work buffer */
     PLAN_DRAW,              /* three vertices a splat */
+    PLAN_EXCHANGE,          /* between processes, by the host */
 };
 
 enum plan_access_kind {
@@ -215,6 +216,11 @@ enum plan_raster {
     PLAN_RASTER_OVER,   /* premultiplied, over what is there, no depth */
 };
 
+enum plan_exchange {
+    PLAN_EXCHANGE_NEAREST, /* the least key of each pixel to all, its splat to the root */
+    PLAN_EXCHANGE_SUMS,    /* the sum of the sums to the root */
+};
+
 struct plan_pass {
     char name[40];
     enum plan_kind kind;
@@ -223,6 +229,7 @@ struct plan_pass {
     uint8_t target;                    /* FILL: resource */
     uint32_t value;                    /* FILL */
     uint32_t offset;                   /* DISPATCH_INDIRECT: bytes into the work buffer */
+    enum plan_exchange exchange;       /* EXCHANGE */
     uint32_t groups;                   /* DISPATCH: workgroups; 0: one a block of the tile */
     uint32_t level;                    /* pyramid: the level that is written */
     bool of_grid;                      /* DISPATCH: one a block of that level of the tile's grid */
@@ -238,6 +245,12 @@ struct plan_pass {
 struct plan_tile {
     uint32_t x, y, width, height;
     uint32_t keep[4];
+};
+
+/* One of several processes that make the picture together; count 0: alone. */
+struct plan_share {
+    uint32_t rank, count;
+    uint64_t splats; /* that this process holds */
 };
 
 /* Pixels of the whole picture that a pyramid stands on; beyond the picture's edges too, whole
@@ -257,6 +270,7 @@ struct stp_plan {
     struct stp_camera camera;
     struct stp_facts facts;
     struct stp_limits limits;
+    struct plan_share share;
     float background[4]; /* params.background points here, or is NULL */
     char why[512];
     uint32_t constant[PLAN_CONSTANTS];
@@ -304,6 +318,16 @@ void plan_blocks(struct stp_plan *plan);
  * outputs. */
 void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shader, bool repair,
                   const enum plan_slot *read);
+
+/* Splats on this device: all, or this process's share. */
+uint64_t plan_splats(const struct stp_plan *plan);
+/* Behind them, for several processes: stand-ins for the nearest splats that others hold. The root
+ * has one a pixel, with all that resolving asks of a splat; the others one an object, since summing
+ * asks only whose epsilon counts. */
+uint64_t plan_ghosts(const struct stp_plan *plan);
+/* Whether this process resolves and gets the picture. */
+bool plan_is_root(const struct stp_plan *plan);
+void plan_exchange(struct stp_plan *plan, enum plan_exchange exchange, const char *name);
 
 /* One file a paper appends its resources and passes, for tiles of the given size. */
 void plan_deferred(struct stp_plan *plan);

@@ -44,7 +44,8 @@ static void print_accesses(FILE *out, const struct stp_plan *plan, const struct 
 
 static void print_passes(FILE *out, const struct stp_plan *plan)
 {
-    static const char *const kinds[] = { "fill", "reset", "dispatch", "dispatch*", "draw" };
+    static const char *const kinds[] = { "fill",      "reset", "dispatch",
+                                         "dispatch*", "draw",  "exchange" };
     bool repeats = plan_samples(plan) > 1;
     for (uint32_t i = 0; i < plan->pass_count; i++) {
         if (repeats && i == plan->repeat_first)
@@ -82,6 +83,9 @@ static void print(FILE *out, const struct stp_plan *plan)
     if (plan_samples(plan) > 1)
         fprintf(out, "samples: %u a pixel, %u x %u\n", plan_samples(plan),
                 plan->constant[PLAN_SAMPLE_GRID], plan->constant[PLAN_SAMPLE_GRID]);
+    if (plan->share.count)
+        fprintf(out, "process %u of %u, %llu splats here\n", plan->share.rank, plan->share.count,
+                (unsigned long long)plan->share.splats);
     fprintf(out, "why: %s\n", plan->why);
     if (plan->method == STP_METHOD_REFERENCE)
         return;

@@ -40,11 +40,11 @@ static void outputs(struct stp_plan *plan)
 
 static void scene_resources(struct stp_plan *plan)
 {
-    uint64_t n = plan->facts.splats;
     if (plan->method == STP_METHOD_AXIS) {
         plan_axis_resources(plan);
         return;
     }
+    uint64_t n = plan_splats(plan) + plan_ghosts(plan);
     plan_resource(plan, "splats", PLAN_SPLATS, PLAN_SCENE, n * 32);
     if (plan->facts.has_color)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
@@ -67,7 +67,7 @@ static void compute_resources(struct stp_plan *plan)
     uint64_t blocks = plan_pixels(plan) / STP_GROUP;
     plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + 2 * blocks) * 4);
     uint64_t lists = plan->method == STP_METHOD_EXACT ? 2 : 1; /* large, and to repair */
-    plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, plan->facts.splats * 4 * lists);
+    plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, plan_splats(plan) * 4 * lists);
 }
 
 static void reset_arguments(struct stp_plan *plan)
@@ -108,7 +108,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         plan_pyramid_resources(plan);
     else
         scene_resources(plan);
-    outputs(plan);
+    if (plan_is_root(plan))
+        outputs(plan);
     bool axis = plan->method == STP_METHOD_AXIS;
     bool compute = plan->path == STP_PATH_COMPUTE && !axis;
     if (compute && !pyramid)
@@ -129,6 +130,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     else
         plan_twopass(plan);
     plan->repeat_end = plan->pass_count;
+    if (!plan_is_root(plan))
+        return;
     eye_dome(plan);
     background(plan);
 }
@@ -241,24 +244,34 @@ static enum stp_result leave_device(const struct stp_env *env, struct stp_plan *
     return STP_OK;
 }
 
-enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
+/* Bytes that transients and outputs may take beside the scene. */
+static uint64_t room(const struct stp_plan *plan)
+{
+    uint64_t scene = plan_bytes(plan, PLAN_SCENE), heap = plan->limits.heap_bytes / 8 * 7;
+    uint64_t left = heap > scene ? heap - scene : 0;
+    return plan->params.memory_limit && plan->params.memory_limit < left ? plan->params.memory_limit
+                                                                         : left;
+}
+
+static enum stp_result cut_picture(const struct stp_env *env, struct stp_plan *plan)
 {
     uint32_t w = plan->camera.width, h = plan->camera.height, columns = 1, rows = 1;
     steps(plan, w, h);
     if (scene_too_large(plan))
         return leave_device(env, plan);
-    uint64_t scene = plan_bytes(plan, PLAN_SCENE), heap = plan->limits.heap_bytes / 8 * 7;
-    uint64_t limit = heap > scene ? heap - scene : 0;
-    if (plan->params.memory_limit && plan->params.memory_limit < limit)
-        limit = plan->params.memory_limit;
-    while (!fits(plan, limit)) {
+    while (!fits(plan, room(plan))) {
         uint32_t least = STP_BLOCK + 2 * margin(plan);
+        if (plan->tile_width <= least && plan->tile_height <= least &&
+            largest(plan) > plan->limits.max_allocation)
+            return log_error(
+                env, STP_ERROR_DEVICE_MEMORY, "one buffer takes %llu bytes; the device allows %llu",
+                (unsigned long long)largest(plan), (unsigned long long)plan->limits.max_allocation);
         if (plan->tile_width <= least && plan->tile_height <= least)
             return log_error(env, STP_ERROR_DEVICE_MEMORY,
                              "the device has %llu bytes; the scene takes %llu, and not even a tile "
                              "of %u pixels fits beside it",
-                             (unsigned long long)plan->limits.heap_bytes, (unsigned long long)scene,
-                             least);
+                             (unsigned long long)plan->limits.heap_bytes,
+                             (unsigned long long)plan_bytes(plan, PLAN_SCENE), least);
         if (plan->tile_width >= plan->tile_height)
             columns *= 2;
         else
@@ -266,5 +279,22 @@ enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
         steps(plan, cut(w, columns, columns > 1 ? margin(plan) : 0),
               cut(h, rows, rows > 1 ? margin(plan) : 0));
     }
+    return STP_OK;
+}
+
+enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
+{
+    struct plan_share own = plan->share;
+    /* All processes must cut alike: as the root would that had the largest share. */
+    if (own.count) {
+        plan->share.rank = 0;
+        plan->share.splats = (plan->facts.splats + own.count - 1) / own.count;
+    }
+    enum stp_result result = cut_picture(env, plan);
+    plan->share = own;
+    if (result != STP_OK || plan->method == STP_METHOD_REFERENCE)
+        return result;
+    if (own.count)
+        steps(plan, plan->tile_width, plan->tile_height);
     return lay_out(env, plan);
 }

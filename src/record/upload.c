@@ -249,5 +249,7 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
             break;
         }
     }
+    if (result == STP_OK && frame->share)
+        result = record_ghosts(env, frame);
     return result;
 }
