@@ -39,31 +39,21 @@ static void print_device(const struct stp_device_info *device)
 }
 
 /* The profile that `stipple plan --limits` reads, and what was found out beside it. */
-static void print_profile(const struct stp_device_info *device)
+static bool print_profile(const struct stp_device_info *device)
 {
-    const struct stp_limits *limits = &device->limits;
-    cJSON *json = cJSON_CreateObject();
-    cJSON_AddStringToObject(json, "device", limits->device);
-    cJSON_AddStringToObject(json, "driver", limits->driver);
-    cJSON *features = cJSON_AddArrayToObject(json, "features");
-    for (unsigned bit = 1; stp_feature_name((enum stp_feature)bit); bit *= 2)
-        if (limits->features & bit)
-            cJSON_AddItemToArray(features,
-                                 cJSON_CreateString(stp_feature_name((enum stp_feature)bit)));
-    cJSON_AddNumberToObject(json, "heap_bytes", (double)limits->heap_bytes);
-    cJSON_AddNumberToObject(json, "max_allocation", (double)limits->max_allocation);
-    cJSON_AddNumberToObject(json, "max_image_size", limits->max_image_size);
-    cJSON_AddNumberToObject(json, "max_image_layers", limits->max_image_layers);
-    cJSON_AddNumberToObject(json, "max_workgroups", limits->max_workgroups);
-    cJSON_AddNumberToObject(json, "processor", limits->processor);
-    cJSON_AddStringToObject(json, "api_version", device->api_version);
-    cJSON_AddBoolToObject(json, "usable", device->usable);
-    cJSON_AddStringToObject(json, "lacks", device->lacks);
-    char *text = cJSON_Print(json);
+    char *profile = stp_limits_print(&device->limits), *text = NULL;
+    cJSON *json = profile ? cJSON_Parse(profile) : NULL;
+    if (json && cJSON_AddStringToObject(json, "api_version", device->api_version) &&
+        cJSON_AddBoolToObject(json, "usable", device->usable) &&
+        cJSON_AddStringToObject(json, "lacks", device->lacks))
+        text = cJSON_Print(json);
     if (text)
         puts(text);
+    bool done = text != NULL;
     free(text);
+    free(profile);
     cJSON_Delete(json);
+    return done;
 }
 
 /* Keeps the devices whose name holds `part`, in order; returns how many. */

@@ -55,8 +55,8 @@ enum stp_result study_frame_wake(struct study *study, struct study_frame *frame)
         study_frame_sleep(study, old);
     enum stp_result result = STP_OK;
     if (frame->config.overlap > 0)
-        result = study_groups_use(&study->quiet, &study->groups, &study->params.group,
-                                  frame->config.overlap);
+        result = groupings_use(&study->quiet, &study->groups, &study->params.group,
+                               frame->config.overlap);
     if (result == STP_OK)
         result = record_frame_create(&study->quiet, study->context, frame->plan, &frame->frame);
     if (result != STP_OK)

@@ -76,8 +76,7 @@ static enum stp_result try_config(struct study *study, const struct study_config
     struct stp_plan *plan = NULL;
     enum stp_result result = STP_OK;
     if (config->overlap > 0)
-        result =
-            study_groups_use(study->env, &study->groups, &study->params.group, config->overlap);
+        result = groupings_use(study->env, &study->groups, &study->params.group, config->overlap);
     if (result != STP_OK)
         return result;
     result = make_plan(study, config, &skip, &plan);
@@ -189,7 +188,7 @@ static void release(struct study *study)
         heat_release(&study->frame[i].heat);
         mem_free(study->frame[i].ms);
     }
-    study_groups_end(&study->groups);
+    groupings_end(&study->groups, false);
     stp_image_destroy(&study->reference);
     mem_free(study->frame);
     mem_free(study->report.row);
@@ -212,7 +211,7 @@ enum stp_result stp_report(const struct stp_env *env, struct stp_context *contex
                     : scene->object_count == 1 ? scene->objects[0].epsilon
                                                : (double)scene->facts.radius_median;
     study.budget = study_budget(context);
-    study_groups_begin(&study.groups, scene);
+    groupings_begin(&study.groups, scene);
     describe(&study);
     context->env = &study.quiet;
     enum stp_result result = study_all(&study, folder);
