@@ -66,8 +66,7 @@ static unsigned select_devices(struct stp_device_info *devices, unsigned count, 
     return kept;
 }
 
-static const struct stp_device_info *first_usable(const struct stp_device_info *devices,
-                                                  unsigned count)
+static struct stp_device_info *first_usable(struct stp_device_info *devices, unsigned count)
 {
     for (unsigned i = 0; i < count; i++)
         if (devices[i].usable)
@@ -84,6 +83,44 @@ static void print_devices(const struct stp_device_info *devices, unsigned count)
     }
 }
 
+/* The prices of this device: from the cache, or measured where that is asked for. */
+static enum stp_result calibrate(struct console *console, const struct settings *settings,
+                                 struct stp_device_info *device)
+{
+    struct stp_context_params params = { .device = device->limits.device };
+    struct stp_calibrate_params how = { .again = settings->calibrate,
+                                        .only_cached = !settings->calibrate };
+    struct stp_context *context = NULL;
+    if (!device->usable)
+        return STP_OK;
+    enum stp_result result = stp_context_create(&console->env, &params, &context);
+    if (result == STP_OK)
+        result = stp_calibrate(&console->env, context, &how);
+    if (result == STP_OK)
+        device->limits.calibration = stp_context_limits(context)->calibration;
+    stp_context_destroy(&context);
+    return result;
+}
+
+static enum stp_result show(struct console *console, const struct settings *settings,
+                            struct stp_device_info *devices, unsigned count)
+{
+    struct stp_device_info *first = first_usable(devices, count);
+    enum stp_result result = STP_OK;
+    if (settings->json || settings->calibrate)
+        result = calibrate(console, settings, first);
+    console_close(console);
+    if (result != STP_OK)
+        return result;
+    if (!settings->json)
+        print_devices(devices, count);
+    else if (!print_profile(first)) {
+        console_error(console, "out of memory");
+        return STP_ERROR_MEMORY;
+    }
+    return STP_OK;
+}
+
 int run_devices(struct settings *settings)
 {
     struct console console;
@@ -95,17 +132,15 @@ int run_devices(struct settings *settings)
         return EXIT_FAILED;
     }
     enum stp_result result = stp_devices(&console.env, devices, MAX_DEVICES, &count);
-    console_close(&console);
     const char *part = settings->context.device;
     count = select_devices(devices, count > MAX_DEVICES ? MAX_DEVICES : count, part);
     if (result == STP_OK && count == 0)
         console_error(&console,
                       "no Vulkan device%s%s; mesa-vulkan-drivers brings one that needs no GPU",
                       part ? " whose name holds " : "", part ? part : "");
-    else if (result == STP_OK && settings->json)
-        print_profile(first_usable(devices, count));
     else if (result == STP_OK)
-        print_devices(devices, count);
+        result = show(&console, settings, devices, count);
+    console_close(&console);
     free(devices);
     return result == STP_OK && count ? EXIT_DONE : EXIT_FAILED;
 }

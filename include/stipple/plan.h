@@ -97,7 +97,7 @@ struct stp_render_params {
 /* Prices of what a frame is made of, in nanoseconds: a kind of method a row (docs/auto.md). A row
  * of zeros: nothing is known of that kind. */
 #define STP_COST_KINDS 32
-#define STP_COST_TERMS 10
+#define STP_COST_TERMS 12
 struct stp_calibration {
     bool measured; /* on the device itself; false: built in */
     double ns[STP_COST_KINDS][STP_COST_TERMS];

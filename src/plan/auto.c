@@ -181,6 +181,16 @@ enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
         return log_error(env, STP_ERROR_ARGUMENT,
                          "there is nothing to choose with max_error %g and method %s",
                          params->max_error, stp_method_name(params->method));
+    if (scene->facts.transparent) {
+        /* Layers are composited by what `transparency` says; the probe knows one surface only. */
+        *choice = (struct stp_choice){ .params = *params, .met = params->max_error == 0 };
+        if (params->max_error > 0)
+            log_warning(env,
+                        "the error of transparent scenes is not estimated: the bound of %g is "
+                        "not looked at",
+                        params->max_error);
+        return STP_OK;
+    }
     struct choosing *c = mem_zalloc(1, sizeof *c);
     if (!c)
         return log_no_memory(env, sizeof *c, "choosing a method");

@@ -19,9 +19,9 @@ const char *plan_cost_name(enum plan_cost cost)
 
 const char *plan_term_name(enum plan_term term)
 {
-    static const char *const names[PLAN_TERMS] = { "frame", "splats",    "drawn",  "box",
-                                                   "large", "fragments", "pixels", "touched",
-                                                   "deep",  "overflow" };
+    static const char *const names[PLAN_TERMS] = { "frame",   "splats",    "drawn",     "box",
+                                                   "large",   "large box", "fragments", "pixels",
+                                                   "touched", "deep",      "overflow" };
     return term < PLAN_TERMS ? names[term] : NULL;
 }
 
@@ -41,7 +41,8 @@ void plan_common_amounts(const struct stp_plan *plan, const struct survey *surve
     amount[PLAN_TERM_SPLATS] = survey->splats * plan->tile_count;
     amount[PLAN_TERM_DRAWN] = survey->drawn;
     amount[PLAN_TERM_BOX] = survey->small_box;
-    amount[PLAN_TERM_LARGE] = survey->large_box;
+    amount[PLAN_TERM_LARGE] = survey->large;
+    amount[PLAN_TERM_LARGE_BOX] = survey->large_box;
     amount[PLAN_TERM_FRAGMENTS] = survey->fragments;
     amount[PLAN_TERM_PIXELS] = survey->pixels;
     amount[PLAN_TERM_TOUCHED] = survey->touched;

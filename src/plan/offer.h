@@ -18,11 +18,12 @@ struct plan_candidate {
 /* A frame's time is a sum of amounts, each at a price in nanoseconds that calibration finds; what
  * an amount stands for is the method's to say (layers times pixels, say), its name only a hint. */
 enum plan_term {
-    PLAN_TERM_FRAME,  /* tiles */
-    PLAN_TERM_SPLATS, /* of the scene, once a tile */
-    PLAN_TERM_DRAWN,  /* splats in the picture */
-    PLAN_TERM_BOX,    /* pixels in the bounds of small splats */
-    PLAN_TERM_LARGE,  /* and of large ones */
+    PLAN_TERM_FRAME,     /* tiles */
+    PLAN_TERM_SPLATS,    /* of the scene, once a tile */
+    PLAN_TERM_DRAWN,     /* splats in the picture */
+    PLAN_TERM_BOX,       /* pixels in the bounds of small splats */
+    PLAN_TERM_LARGE,     /* splats that take a workgroup each */
+    PLAN_TERM_LARGE_BOX, /* and pixels in their bounds */
     PLAN_TERM_FRAGMENTS,
     PLAN_TERM_PIXELS,   /* of the picture */
     PLAN_TERM_TOUCHED,  /* of the blocks that splats touch */

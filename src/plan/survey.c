@@ -8,7 +8,7 @@
 #include "shared/frame.h"
 
 #define MOST_SPLATS 131072 /* of larger scenes this many are looked at, about */
-#define RANGE       1024   /* splats that share a budget */
+#define RANGE       128    /* groups of neighbours that share a budget */
 #define BUDGET      65536  /* blocks that a range visits one by one */
 #define UNIT        64.0   /* sums are integers in 64ths, so that their order is nothing */
 #define KEPT        8      /* fragments a pixel that exact_resolve keeps in registers */
@@ -47,26 +47,48 @@ static void spread(struct count *count, const struct spot *spot, uint64_t *budge
     *budget -= (uint64_t)nx * ny < *budget ? (uint64_t)nx * ny : *budget;
 }
 
+/* Sums of a range, before they join the others'. */
+struct part {
+    uint64_t drawn, small_box, large, large_box, fragments, budget;
+};
+
+/* Returns the pixels of its bounds when a thread draws the splat alone. */
+static uint64_t count_splat(struct count *count, size_t i, struct part *part)
+{
+    struct spot spot;
+    if (!spot_find(count->view, i, &spot))
+        return 0;
+    uint64_t box = (uint64_t)(spot.x1 - spot.x0 + 1) * (spot.y1 - spot.y0 + 1);
+    part->drawn++;
+    part->fragments += (uint64_t)(spot.fragments * UNIT);
+    spread(count, &spot, &part->budget);
+    if (!spot.large)
+        return box;
+    part->large++;
+    part->large_box += box;
+    return 0;
+}
+
+/* Indices of groups of SURVEY_LANES neighbours. */
 static void count_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct count *count = context;
-    uint64_t drawn = 0, small_box = 0, large = 0, large_box = 0, fragments = 0, budget = BUDGET;
-    struct spot spot;
-    for (size_t i = begin; i < end; i++) {
-        if (!spot_find(count->view, i * count->stride, &spot))
-            continue;
-        uint64_t box = (uint64_t)(spot.x1 - spot.x0 + 1) * (spot.y1 - spot.y0 + 1);
-        drawn++;
-        fragments += (uint64_t)(spot.fragments * UNIT);
-        large += spot.large;
-        *(spot.large ? &large_box : &small_box) += box;
-        spread(count, &spot, &budget);
+    struct part part = { .budget = BUDGET };
+    size_t n = count->view->scene->splats.count;
+    for (size_t g = begin; g < end; g++) {
+        size_t first = g * count->stride * SURVEY_LANES;
+        uint64_t most = 0;
+        for (size_t i = first; i < first + SURVEY_LANES && i < n; i++) {
+            uint64_t box = count_splat(count, i, &part);
+            most = box > most ? box : most;
+        }
+        part.small_box += most * SURVEY_LANES;
     }
-    add(&count->drawn, drawn);
-    add(&count->small_box, small_box);
-    add(&count->large, large);
-    add(&count->large_box, large_box);
-    add(&count->fragments, fragments);
+    add(&count->drawn, part.drawn);
+    add(&count->small_box, part.small_box);
+    add(&count->large, part.large);
+    add(&count->large_box, part.large_box);
+    add(&count->fragments, part.fragments);
 }
 
 static void sum_up(const struct count *count, struct survey *survey)
@@ -105,7 +127,8 @@ enum stp_result survey_make(const struct stp_env *env, const struct stp_scene *s
         mem_free(made.mass);
         return log_no_memory(env, blocks * sizeof *made.mass, "the survey's blocks");
     }
-    parallel_for(env, (n + count.stride - 1) / count.stride, RANGE, count_range, &count);
+    size_t step = count.stride * SURVEY_LANES;
+    parallel_for(env, (n + step - 1) / step, RANGE, count_range, &count);
     sum_up(&count, &made);
     mem_free(count.mass);
     *survey = made;

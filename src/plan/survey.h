@@ -9,6 +9,7 @@
 #include "scene/scene.h"
 
 #define SURVEY_BLOCK 8 /* pixels a side; as STP_BLOCK */
+#define SURVEY_LANES 8 /* threads that a processor runs in step, at least */
 
 /* Where a splat falls: pixels [x0, x1] x [y0, y1] of the picture, a little too many rather than too
  * few, and how many fragments it has there, about. */
@@ -32,9 +33,10 @@ struct spot_view spot_view_of(const struct stp_scene *scene, const struct stp_ca
 bool spot_find(const struct spot_view *view, size_t i, struct spot *spot);
 
 struct survey {
-    double splats;           /* of the scene */
-    double drawn;            /* of them in the picture */
-    double small_box;        /* pixels in the bounds of those that take a thread each */
+    double splats;    /* of the scene */
+    double drawn;     /* of them in the picture */
+    double small_box; /* pixels in the bounds of those that take a thread each; neighbours in a
+                         group of SURVEY_LANES all take as many turns as the largest of them */
     double large, large_box; /* the others, and theirs */
     double fragments;
     double pixels;         /* of the picture */

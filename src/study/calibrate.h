@@ -13,8 +13,7 @@ struct calibrate_scene {
     double fill;           /* share of the picture's side that the largest sphere spans */
     unsigned shells;
     double overlap; /* of the groups */
-    bool color;
-    bool quick; /* enough for a test */
+    bool color;     /* after those without: only what these have not measured is */
 };
 extern const struct calibrate_scene calibrate_scenes[];
 extern const unsigned calibrate_scene_count;

@@ -1,5 +1,7 @@
 #include "study/calibrate.h"
 
+#include <string.h>
+
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/vec.h"
@@ -7,15 +9,17 @@
 /* What a fit has to tell apart: splats that are many or large, pictures that are full or empty, few
  * layers or many, a few fragments a pixel or more than slots. */
 const struct calibrate_scene calibrate_scenes[] = {
-    { 30000, 512, 4, 0.9, 1, 0.4, false, true },    { 30000, 512, 4, 0.9, 1, 1.0, false, false },
-    { 120000, 512, 1.2, 0.9, 1, 0.6, false, true }, { 120000, 512, 2.5, 0.5, 1, 0.4, false, false },
-    { 4000, 768, 20, 0.9, 1, 0.4, false, true },    { 30000, 1024, 6, 0.9, 1, 0.4, false, false },
-    { 300, 512, 90, 0.9, 1, 0.6, false, true },     { 20000, 1024, 3, 0.3, 1, 0.8, false, false },
-    { 60000, 512, 5, 0.9, 4, 0.4, false, true },    { 60000, 256, 8, 0.7, 3, 0.4, false, false },
-    { 30000, 512, 4, 0.9, 1, 0.4, true, true },     { 120000, 512, 1.2, 0.9, 1, 0.6, true, false },
-    { 4000, 768, 20, 0.9, 1, 0.8, true, false },    { 300, 512, 90, 0.9, 1, 0.6, true, true },
-    { 20000, 1024, 3, 0.3, 1, 0.8, true, false },   { 60000, 512, 5, 0.9, 4, 0.4, true, false },
-    { 60000, 256, 8, 0.7, 3, 0.4, true, false },
+    { 16000, 384, 4, 0.9, 1, 0.4, false },   { 16000, 384, 4, 0.9, 1, 1, false },
+    { 300000, 640, 1.5, 0.9, 1, 0.6, false }, { 60000, 512, 2.5, 0.5, 1, 0.4, false },
+    { 1200, 512, 20, 0.9, 1, 0.4, false },   { 3000, 512, 12, 0.9, 1, 0.6, false },
+    { 150, 384, 90, 0.9, 1, 0.6, false },    { 10000, 1024, 3, 0.3, 1, 0.8, false },
+    { 20000, 1024, 6, 0.9, 1, 0.4, false },  { 16000, 256, 5, 0.9, 4, 0.4, false },
+    { 8000, 128, 10, 0.7, 3, 0.4, false },   { 16000, 384, 4, 0.9, 1, 0.4, true },
+    { 300000, 640, 1.5, 0.9, 1, 0.6, true },  { 60000, 512, 2.5, 0.5, 1, 0.4, true },
+    { 1200, 512, 20, 0.9, 1, 0.4, true },    { 3000, 512, 12, 0.9, 1, 0.6, true },
+    { 150, 384, 90, 0.9, 1, 0.6, true },     { 10000, 1024, 3, 0.3, 1, 0.8, true },
+    { 20000, 1024, 6, 0.9, 1, 0.4, true },   { 16000, 256, 5, 0.9, 4, 0.4, true },
+    { 8000, 128, 10, 0.7, 3, 0.4, true },
 };
 const unsigned calibrate_scene_count = sizeof calibrate_scenes / sizeof *calibrate_scenes;
 
