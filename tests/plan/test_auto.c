@@ -27,14 +27,14 @@ static void price(struct inputs *in, enum plan_cost kind, double ms)
 {
     in->limits.calibration.ns[kind][PLAN_TERM_FRAME] = ms * 1e6;
     if (kind >= PLAN_COST_DEFERRED_PACKED)
-        in->limits.calibration.ns[kind][PLAN_TERM_DEEP] = 1e-3;
+        in->limits.calibration.ns[kind][PLAN_TERM_DEEP] = 5.7; /* 0.11 ms a layer */
 }
 
 static void price_all(struct inputs *in, double deferred, double exact, double two_pass)
 {
     price(in, PLAN_COST_DEFERRED_PACKED, deferred);
     price(in, PLAN_COST_EXACT_PACKED, exact);
-    price(in, PLAN_COST_EXACT_ID, exact * 2);
+    price(in, PLAN_COST_EXACT_ID, exact * 3);
     price(in, PLAN_COST_TWO_PASS, two_pass);
     price(in, PLAN_COST_TWO_PASS_RASTER, two_pass * 2);
 }

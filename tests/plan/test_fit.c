@@ -6,12 +6,6 @@
 #define ROWS  24
 #define TERMS 6
 
-static double uniform(uint32_t *state)
-{
-    *state = *state * 1664525u + 1013904223u;
-    return (*state >> 8) / 16777216.0;
-}
-
 static void make_amounts(uint32_t *state, double amount[ROWS * TERMS])
 {
     for (int i = 0; i < ROWS * TERMS; i++)

@@ -61,15 +61,15 @@ static void test_against_hits(void **state)
 {
     for (uint32_t seed = 1; seed <= 6; seed++) {
         struct stp_scene *scene = scene_random(seed, 300, 0.1);
-        struct stp_camera camera = plain_camera(123, 77, 90);
+        struct stp_camera camera = hard_view(0, 123, 77), flat = flat_camera(123, 77, 30);
         struct stp_render_params params = { .min_splat = -1 };
-        compare(scene, &camera, &params, 0.15);
+        compare(scene, &camera, &params, 0.04);
         params.min_splat = 3;
-        compare(scene, &camera, &params, 0.2);
+        compare(scene, &camera, &params, 0.04);
         params.cull = STP_CULL_BACK;
-        compare(scene, &camera, &params, 0.2);
-        camera = flat_camera(123, 77, 20);
-        compare(scene, &camera, &params, 0.15);
+        compare(scene, &camera, &params, 0.04);
+        look_at(&flat, v3(2, 3, 4), v3(0, 0, 0));
+        compare(scene, &flat, &params, 0.04);
         stp_scene_destroy(&scene);
     }
 }
@@ -145,13 +145,13 @@ static void test_boundary(void **state)
     struct stp_scene *scene = scene_make(4, 1, 0.1);
     struct stp_render_params params = { .min_splat = -1 };
     struct stp_camera camera = plain_camera(64, 48, 50);
-    scene_add(scene, v3(0, 0, 0), v3(0, 0, 1), 1);    /* around the eye */
+    scene_add(scene, v3(0, 0, 0), v3(0, 1, 1), 1);    /* around the eye */
     scene_add(scene, v3(0, 0, 5), v3(0, 0, 1), 1);    /* behind */
     scene_add(scene, v3(900, 0, -5), v3(0, 0, 1), 1); /* beside */
-    scene_add(scene, v3(0, 0, -1e9), v3(0, 0, 1), 1); /* below a pixel */
+    scene_add(scene, v3(0, 0, -1e4), v3(0, 0, 1), 1); /* below a pixel */
     scene_finish(scene);
     struct survey s = survey_of(scene, &camera, &params, 1);
-    assert_true(s.drawn >= 1 && s.drawn <= 2);
+    assert_true(s.drawn == 1);
     assert_true(isfinite(s.fragments) && isfinite(s.large_box));
     assert_true(s.large_box >= 64 * 48 / 2);
     survey_release(&s);
