@@ -181,7 +181,7 @@ enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
         return log_error(env, STP_ERROR_ARGUMENT,
                          "there is nothing to choose with max_error %g and method %s",
                          params->max_error, stp_method_name(params->method));
-    if (scene->facts.transparent) {
+    if (scene->facts.transparent || scene->volume) {
         /* Layers are composited by what `transparency` says; the probe knows one surface only. */
         *choice = (struct stp_choice){ .params = *params, .met = params->max_error == 0 };
         if (params->max_error > 0)
