@@ -150,6 +150,7 @@ static void keep_line(void *user, enum stp_log_level level, const char *line)
 }
 
 enum stp_result calibrate_measure(const struct stp_env *env, struct stp_context *context,
+                                  const struct calibrate_scene *scenes, unsigned count,
                                   struct stp_calibration *calibration)
 {
     struct calibrating c = { .env = env, .context = context };
@@ -160,9 +161,9 @@ enum stp_result calibrate_measure(const struct stp_env *env, struct stp_context 
     if (!c.rows)
         return log_no_memory(env, PLAN_COSTS * sizeof *c.rows, "the calibration");
     context->env = &c.quiet;
-    for (unsigned i = 0; result == STP_OK && i < calibrate_scene_count; i++) {
-        log_progress(env, "calibrate", (double)i / calibrate_scene_count);
-        result = run_scene(&c, &calibrate_scenes[i]);
+    for (unsigned i = 0; result == STP_OK && i < count; i++) {
+        log_progress(env, "calibrate", (double)i / count);
+        result = run_scene(&c, &scenes[i]);
     }
     context->env = NULL;
     if (result == STP_OK)
@@ -186,7 +187,7 @@ enum stp_result stp_calibrate(const struct stp_env *env, struct stp_context *con
         result = calibrate_cache_read(env, path, &context->limits, &read, &found);
     if (result == STP_OK && !found && !p->only_cached) {
         log_info(env, "calibrating %s: some seconds, once", context->limits.device);
-        result = calibrate_measure(env, context, &read);
+        result = calibrate_measure(env, context, calibrate_scenes, calibrate_scene_count, &read);
     }
     if (result == STP_OK && (found || !p->only_cached)) {
         context->limits.calibration = read;
