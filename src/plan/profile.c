@@ -80,19 +80,25 @@ void calibration_built_in(struct stp_calibration *calibration)
         memcpy(calibration->ns[kind], built_in[kind], sizeof built_in[kind]);
 }
 
+/* Every bit of them: a price that was read decides as one that was measured. */
+static bool add_prices(cJSON *root, const char *name, const double *ns)
+{
+    cJSON *prices = cJSON_AddObjectToObject(root, name);
+    char text[JSON_NUMBER_SIZE];
+    bool whole = prices != NULL;
+    for (unsigned term = 0; whole && term < PLAN_TERMS; term++)
+        if (ns[term] > 0)
+            whole = cJSON_AddRawToObject(prices, plan_term_name(term),
+                                         json_number_text(ns[term], text)) != NULL;
+    return whole;
+}
+
 cJSON *calibration_to_json(const struct stp_calibration *calibration)
 {
     cJSON *root = cJSON_CreateObject();
-    bool whole = cJSON_AddBoolToObject(root, "measured", calibration->measured) != NULL;
-    for (unsigned kind = 0; whole && plan_cost_name(kind); kind++) {
-        cJSON *prices = cJSON_AddObjectToObject(root, plan_cost_name(kind));
-        for (unsigned term = 0; term < PLAN_TERMS; term++)
-            if (calibration->ns[kind][term] > 0)
-                whole = cJSON_AddNumberToObject(prices, plan_term_name(term),
-                                                calibration->ns[kind][term]) &&
-                        whole;
-        whole = whole && prices;
-    }
+    bool whole = root && cJSON_AddBoolToObject(root, "measured", calibration->measured);
+    for (unsigned kind = 0; whole && plan_cost_name(kind); kind++)
+        whole = add_prices(root, plan_cost_name(kind), calibration->ns[kind]);
     if (whole)
         return root;
     cJSON_Delete(root);

@@ -106,22 +106,16 @@ static bool make_folders(char *path)
     return true;
 }
 
-static char *profile_text(const struct stp_limits *limits)
+/* The profile with the version in front. Numbers keep their bits: nothing is parsed and printed. */
+static void write_profile(FILE *out, const char *profile)
 {
-    char *profile = stp_limits_print(limits);
-    cJSON *root = profile ? cJSON_Parse(profile) : NULL;
-    char *text = NULL;
-    if (root && cJSON_AddStringToObject(root, "version", stp_version()))
-        text = cJSON_Print(root);
-    cJSON_Delete(root);
-    free(profile);
-    return text;
+    fprintf(out, "{\n\t\"version\":\t\"%s\",%s\n", stp_version(), profile + 1);
 }
 
 void calibrate_cache_write(const struct stp_env *env, const char *path,
                            const struct stp_limits *limits)
 {
-    char line[512] = "", *folders = strdup(path), *text = profile_text(limits);
+    char line[512] = "", *folders = strdup(path), *text = stp_limits_print(limits);
     const struct stp_env kept = { .log = keep_line, .user = line };
     struct file_output out = { 0 };
     enum stp_result result = folders && text ? STP_OK : STP_ERROR_MEMORY;
@@ -130,7 +124,7 @@ void calibrate_cache_write(const struct stp_env *env, const char *path,
     if (result == STP_OK)
         result = file_begin(&kept, path, &out);
     if (result == STP_OK) {
-        fprintf(out.stream, "%s\n", text);
+        write_profile(out.stream, text);
         result = file_commit(&kept, &out);
     }
     if (result != STP_OK)
