@@ -39,21 +39,18 @@ static void print_device(const struct stp_device_info *device)
 }
 
 /* The profile that `stipple plan --limits` reads, and what was found out beside it. */
-static bool print_profile(const struct stp_device_info *device)
+static int print_profile(struct console *console, const struct stp_device_info *device)
 {
-    char *profile = stp_limits_print(&device->limits), *text = NULL;
-    cJSON *json = profile ? cJSON_Parse(profile) : NULL;
-    if (json && cJSON_AddStringToObject(json, "api_version", device->api_version) &&
-        cJSON_AddBoolToObject(json, "usable", device->usable) &&
-        cJSON_AddStringToObject(json, "lacks", device->lacks))
-        text = cJSON_Print(json);
-    if (text)
-        puts(text);
-    bool done = text != NULL;
-    free(text);
-    free(profile);
+    char *profile = stp_limits_print(&device->limits);
+    struct json_out building = { 0 }, *out = &building;
+    cJSON *json = json_begin(out, profile ? cJSON_Parse(profile) : NULL);
+    json_text(out, json, "api_version", device->api_version);
+    json_bool(out, json, "usable", device->usable);
+    json_text(out, json, "lacks", device->lacks);
+    int status = json_print(console, out, json);
     cJSON_Delete(json);
-    return done;
+    free(profile);
+    return status;
 }
 
 /* Keeps the devices whose name holds `part`, in order; returns how many. */
@@ -74,13 +71,14 @@ static struct stp_device_info *first_usable(struct stp_device_info *devices, uns
     return &devices[0];
 }
 
-static void print_devices(const struct stp_device_info *devices, unsigned count)
+static int print_devices(const struct stp_device_info *devices, unsigned count)
 {
     for (unsigned i = 0; i < count; i++) {
         if (i)
             putchar('\n');
         print_device(&devices[i]);
     }
+    return EXIT_DONE;
 }
 
 /* The prices of this device: from the cache, or measured where that is asked for. */
@@ -102,23 +100,13 @@ static enum stp_result calibrate(struct console *console, const struct settings 
     return result;
 }
 
-static enum stp_result show(struct console *console, const struct settings *settings,
-                            struct stp_device_info *devices, unsigned count)
+static int show(struct console *console, const struct settings *settings,
+                struct stp_device_info *devices, unsigned count)
 {
     struct stp_device_info *first = first_usable(devices, count);
-    enum stp_result result = STP_OK;
-    if (settings->json || settings->calibrate)
-        result = calibrate(console, settings, first);
-    console_close(console);
-    if (result != STP_OK)
-        return result;
-    if (!settings->json)
-        print_devices(devices, count);
-    else if (!print_profile(first)) {
-        console_error(console, "out of memory");
-        return STP_ERROR_MEMORY;
-    }
-    return STP_OK;
+    if ((settings->json || settings->calibrate) && calibrate(console, settings, first) != STP_OK)
+        return EXIT_FAILED;
+    return settings->json ? print_profile(console, first) : print_devices(devices, count);
 }
 
 int run_devices(struct settings *settings)
@@ -126,10 +114,12 @@ int run_devices(struct settings *settings)
     struct console console;
     struct stp_device_info *devices = calloc(MAX_DEVICES, sizeof *devices);
     unsigned count = 0;
+    int status = EXIT_FAILED;
     console_open(&console, settings);
     if (!devices) {
         console_error(&console, "out of memory");
-        return EXIT_FAILED;
+        console_close(&console);
+        return status;
     }
     enum stp_result result = stp_devices(&console.env, devices, MAX_DEVICES, &count);
     const char *part = settings->context.device;
@@ -139,8 +129,8 @@ int run_devices(struct settings *settings)
                       "no Vulkan device%s%s; mesa-vulkan-drivers brings one that needs no GPU",
                       part ? " whose name holds " : "", part ? part : "");
     else if (result == STP_OK)
-        result = show(&console, settings, devices, count);
+        status = show(&console, settings, devices, count);
     console_close(&console);
     free(devices);
-    return result == STP_OK && count ? EXIT_DONE : EXIT_FAILED;
+    return status;
 }
