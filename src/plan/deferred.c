@@ -20,7 +20,9 @@ static void keys(struct stp_plan *plan)
         plan_writes(plan, pass, PLAN_WORK);
     }
     plan_splat(plan, "keys", PLAN_SHADER_DEFERRED_KEYS, PLAN_SHADER_DEFERRED_KEYS_LARGE, false,
-               (enum plan_slot[]){ PLAN_KEYS, PLAN_NEAREST, PLAN_SLOTS });
+               (enum plan_slot[]){ PLAN_KEYS, PLAN_SLOTS });
+    plan_reads(plan, &plan->pass[plan->pass_count - 2], PLAN_NEAREST);
+    plan_reads(plan, &plan->pass[plan->pass_count - 1], PLAN_NEAREST);
     plan_blocks(plan);
     plan_resolve(plan, "composite", PLAN_SHADER_DEFERRED_COMPOSITE, false,
                  (enum plan_slot[]){ PLAN_KEYS, PLAN_SLOTS });
@@ -31,7 +33,7 @@ static void layers(struct stp_plan *plan)
 {
     uint32_t groups = plan->facts.grouping.groups;
     plan_image(plan, "winners", PLAN_IMAGE_ID, PLAN_RG32UI, groups);
-    plan_image(plan, "depth", PLAN_IMAGE_DEPTH, PLAN_D32F, groups);
+    plan_image(plan, "depth test", PLAN_IMAGE_DEPTH, PLAN_D32F, groups);
     bool layered = plan->constant[PLAN_LAYERED] != 0;
     if (!layered)
         plan_resource(plan, "order", PLAN_ORDER, PLAN_SCENE, (uint64_t)plan->facts.splats * 4);

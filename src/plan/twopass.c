@@ -43,7 +43,7 @@ static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan
 static void raster(struct stp_plan *plan)
 {
     plan_image(plan, "nearest", PLAN_IMAGE_ID, PLAN_RG32UI, 1);
-    plan_image(plan, "depth", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
+    plan_image(plan, "depth test", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
     plan_image(plan, "sum", PLAN_IMAGE_SUM, PLAN_RGBA32F, 1);
     plan_image(plan, "depth sum", PLAN_IMAGE_SUM_DEPTH, PLAN_RG32F, 1);
     if (plan->constant[PLAN_HAS_COLOR])

@@ -123,7 +123,8 @@ static void shuffle(unsigned *order, unsigned count, unsigned round)
 
 enum stp_result study_time(struct study *study)
 {
-    unsigned order[STUDY_MAX_CONFIGS], rounds = study->report.rounds, count = study->frame_count;
+    unsigned order[STUDY_MAX_CONFIGS + REPORT_MAX_PICKS], rounds = study->report.rounds,
+                                                          count = study->frame_count;
     enum stp_result result = STP_OK;
     for (unsigned i = 0; result == STP_OK && i < count; i++) {
         study->frame[i].ms = mem_alloc((size_t)rounds * TIMED, sizeof(double));

@@ -70,7 +70,7 @@ static void add_skip(struct study *study, const struct study_config *config,
 
 /* A configuration that does not apply is left out, with the reason; only want of host memory ends
  * the study. */
-static enum stp_result try_config(struct study *study, const struct study_config *config)
+enum stp_result study_try(struct study *study, const struct study_config *config)
 {
     struct report_skip skip = { "", "" };
     struct stp_plan *plan = NULL;
@@ -98,9 +98,10 @@ static enum stp_result make_frames(struct study *study)
 {
     struct study_config configs[STUDY_MAX_CONFIGS];
     unsigned count = study_configs(study->params.quick, configs);
-    study->frame = mem_zalloc(count, sizeof *study->frame);
-    study->report.row = mem_zalloc(count + 1, sizeof *study->report.row);
-    study->report.skip = mem_zalloc(count, sizeof *study->report.skip);
+    unsigned most = count + REPORT_MAX_PICKS; /* auto may add its own */
+    study->frame = mem_zalloc(most, sizeof *study->frame);
+    study->report.row = mem_zalloc(most + 1, sizeof *study->report.row);
+    study->report.skip = mem_zalloc(most, sizeof *study->report.skip);
     if (!study->frame || !study->report.row || !study->report.skip)
         return log_no_memory(study->env, count * sizeof *study->report.row, "the report");
     enum stp_result result = STP_OK;
@@ -108,7 +109,7 @@ static enum stp_result make_frames(struct study *study)
         /* One epsilon cannot stand for the many of several objects. */
         bool many = configs[i].epsilon_scale != 1 && study->scene->object_count > 1;
         if (!many)
-            result = try_config(study, &configs[i]);
+            result = study_try(study, &configs[i]);
     }
     if (result == STP_OK && study->frame_count == 0)
         result = log_error(study->env, STP_ERROR_FEATURE, "no method applies: %s",
@@ -165,6 +166,8 @@ static enum stp_result study_all(struct study *study, const char *folder)
 {
     double start = now_ms();
     enum stp_result result = make_frames(study);
+    if (result == STP_OK)
+        result = study_pick(study);
     if (result == STP_OK)
         result = render_reference(study);
     if (result == STP_OK)

@@ -69,6 +69,16 @@ enum stp_result study_time(struct study *study);
 enum stp_result study_profile(struct study *study);
 uint64_t study_budget(const struct stp_context *context);
 
+/* --- study.c ---------------------------------------------------------------------------------- */
+
+/* A frame for this configuration, or a line in the report that says why there is none. */
+enum stp_result study_try(struct study *study, const struct study_config *config);
+
+/* --- picks.c: what auto would take for a few bounds; joins the frames that are timed -------------
+ */
+
+enum stp_result study_pick(struct study *study);
+
 /* --- files.c ---------------------------------------------------------------------------------- */
 
 enum stp_result study_write(struct study *study, const char *folder);
