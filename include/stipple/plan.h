@@ -156,7 +156,8 @@ struct stp_choice {
  * those whose error is within params->max_error. The error is measured: a sample of the picture's
  * pixels is resolved on the CPU as each method would. Where max_error is 0, methods that need
  * groups are left out unless asked for: finding groups costs more than a picture. The scene is
- * grouped as the choice wants, and may be regrouped. Deterministic for one profile. */
+ * grouped as the choice wants, and may be regrouped. Deterministic for one profile. Where nothing
+ * applies the params come back as they were, and stp_plan_create says why. */
 STP_API enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
                                    const struct stp_camera *camera,
                                    const struct stp_group_params *group,

@@ -67,11 +67,6 @@ static enum stp_result list(struct choosing *c)
     bool one_picture = c->params.max_error == 0 && c->params.method == STP_METHOD_AUTO;
     if (result == STP_OK && (!one_picture || c->count == 0))
         result = add_offers(c, true);
-    if (result == STP_OK && c->count == 0)
-        result = log_error(c->env, STP_ERROR_FEATURE,
-                           "no method can render this as asked on %s; leave more of method, path, "
-                           "payload and voronoi to auto",
-                           c->limits->device);
     return result;
 }
 
@@ -156,11 +151,13 @@ static enum stp_result choose(struct choosing *c, struct stp_choice *choice)
     enum stp_result result = survey_make(c->env, c->scene, c->camera, &c->params, &c->survey);
     if (result == STP_OK)
         result = list(c);
-    if (result == STP_OK)
+    if (result == STP_OK && c->count)
         result = search(c, &chosen);
-    if (result == STP_OK)
+    if (result == STP_OK && chosen)
         conclude(c, chosen, choice);
-    groupings_end(&c->groupings, result == STP_OK && chosen->way.overlap > 0);
+    else if (result == STP_OK) /* nothing applies: the plan will say why */
+        *choice = (struct stp_choice){ .params = c->params };
+    groupings_end(&c->groupings, result == STP_OK && chosen && chosen->way.overlap > 0);
     for (unsigned i = 0; i < c->local_count; i++)
         mem_free(c->local[i].group);
     for (unsigned i = 0; i < 2; i++)

@@ -6,7 +6,10 @@
 #define CELLS_MANY 1536
 /* An estimate counts as within the bound when it still is this many standard errors higher, and as
  * beyond when it still is that many lower. */
-#define CONFIDENCE 2.5
+#define CONFIDENCE 3
+/* A few cells may miss the few pixels where most of the error is: near the bound the many decide.
+ */
+#define TAIL 1.3
 /* Groups of the probe's splats alone put more or fewer of them together than the scene's: what is
  * this many times beyond the bound with those is not worth grouping the scene for. */
 #define LOCAL_MARGIN 2
@@ -141,7 +144,7 @@ static enum stp_result decide(struct choosing *c, struct auto_candidate *candida
     for (unsigned which = 0; result == STP_OK && which < 2; which++) {
         result = estimate(c, candidate, which, NULL, &low, &high);
         candidate->error = high;
-        if (high <= c->bound || low > c->bound)
+        if (high * TAIL <= c->bound || low > c->bound)
             break;
     }
     candidate->stage = high <= c->bound ? AUTO_ACCEPTED : AUTO_REFUSED;

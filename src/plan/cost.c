@@ -61,10 +61,10 @@ double plan_predict(const struct stp_plan *plan, const struct survey *survey,
     return ns > 0 ? ns * 1e-6 * plan_samples(plan) : INFINITY;
 }
 
-/* Measured over the models of docs/auto.md: with centres in double no more than 1e-6; in
+/* Measured over the models of docs/auto.md: with centres in double no more than 3e-6; in
  * float one pixel of an outline on the wrong side is worth 1e-6 of a picture of 10^6 pixels. */
 double plan_rounding(const struct stp_plan *plan)
 {
     double brightest = fmax(1, plan->facts.color_max);
-    return (plan->constant[PLAN_FLOAT64] ? 1e-6 : 2e-5) * brightest;
+    return (plan->constant[PLAN_FLOAT64] ? 3e-6 : 2e-5) * brightest;
 }

@@ -41,10 +41,10 @@ class Auto(command.CommandTest):
         return next(line for line in text.splitlines() if line.startswith("why: "))
 
     def test_plan_says_why(self):
-        for bound in ["1e-4", "3e-6"]:
+        for bound in ["1e-4", "6e-6"]:
             why = self.why("--max-error", bound)
             self.assertRegex(why, r"predicted: [0-9.e-]+ ms, error at most [0-9.e-]+\)")
-        self.assertIn("two-pass", self.why("--max-error", "3e-6", "--payload", "packed"))
+        self.assertIn("two-pass", self.why("--max-error", "6e-6", "--payload", "packed"))
         self.assertIn("exact", self.why())
 
     def test_prices_decide(self):
