@@ -4,6 +4,8 @@
   tools/bench_auto.py auto FILE...      what --max-error takes for bounds from 1e-2 to 1e-5, beside
                                         the fastest of `stipple report --quick` within each bound:
                                         all in one process a model, interleaved (docs/results/auto.md)
+  tools/bench_auto.py bounds FILE...    what --max-error takes, and the error of the picture that it gives:
+                                        no times, so that any machine will do
   tools/bench_auto.py features FILE     resources, passes, constants, bytes and milliseconds of each
                                         feature off and on (docs/results/features.md)
   tools/bench_auto.py reports DIR FILE...
@@ -79,6 +81,42 @@ def auto(models, rounds):
           "fastest, or within the quartiles of the two times.")
 
 
+# --- bounds ----------------------------------------------------------------------------------------
+
+BOUNDS = ["1e-2", "3e-3", "1e-3", "1e-4", "1e-5"]
+SMALL = ["--size", "800x600", "-q"]
+
+
+def taken(text):
+    """From the plan's text: what was taken, and the error that was predicted."""
+    why = re.search(r"^why: (.*)$", text, re.M).group(1)
+    overlap = re.search(r"(\d+) groups at overlap ([0-9.]+)", why)
+    words = re.search(r"^method (\S+), path (\S+),", text, re.M).groups()
+    most = re.search(r"error at most ([-0-9.e]+)\)", why)
+    packed = " packed" if re.search(r" packed=1", text) else ""
+    groups = f" c {overlap[2]}, K = {overlap[1]}" if overlap else ""
+    return " ".join(words) + packed + groups, most[1] if most else "-"
+
+
+def bounds(models):
+    print("| model | bound | taken | error, at most | error |\n|---|---:|---|---:|---:|")
+    total = kept = 0
+    for model in models:
+        with tempfile.TemporaryDirectory() as folder:
+            truth, out, stats = (os.path.join(folder, n) for n in ["t.exr", "o.exr", "s.json"])
+            stipple("render", model, "-o", truth, "--method", "reference", *SMALL)
+            for bound in BOUNDS:
+                stipple("render", model, "-o", out, "--max-error", bound, "--stats", stats, *SMALL)
+                with open(stats, encoding="utf-8") as file:
+                    what, most = taken(json.load(file)["plan"])
+                error = json.loads(stipple("compare", "--json", out, truth))["covered"]
+                inside = error["mean_absolute"] <= float(bound)
+                total, kept = total + 1, kept + inside
+                print(f"| {os.path.basename(model)} | {bound} | {what} | {most} | "
+                      f"{error['mean_absolute']:.2g}{'' if inside else ' **beyond**'} |", flush=True)
+    print(f"\n{kept} of {total} pictures are within their bound.")
+
+
 # --- features --------------------------------------------------------------------------------------
 
 PLAIN = ["--two-sided", "off", "--min-splat", "0", "--color-by", "rgb", "--size", "1024x1024", "-q"]
@@ -152,13 +190,15 @@ def reports(folder, models):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["auto", "features", "reports"])
+    parser.add_argument("what", choices=["auto", "bounds", "features", "reports"])
     parser.add_argument("arguments", nargs="+", metavar="FILE")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--method", default="exact", help="of features (default: exact)")
     options = parser.parse_args()
     if options.what == "auto":
         auto(options.arguments, options.rounds)
+    elif options.what == "bounds":
+        bounds(options.arguments)
     elif options.what == "features":
         features(options.arguments[0], options.method, options.rounds)
     else:
