@@ -7,7 +7,8 @@
   tools/bench_auto.py bounds FILE...    what --max-error takes, and the error of the picture that it gives:
                                         no times, so that any machine will do
   tools/bench_auto.py features FILE     resources, passes, constants, bytes and milliseconds of each
-                                        feature off and on (docs/results/features.md)
+                                        feature off and on (docs/results/features.md); --rounds 0:
+                                        all but the milliseconds
   tools/bench_auto.py reports DIR FILE...
                                         the whole `stipple report` of every model, into DIR/report-MODEL
 
@@ -119,9 +120,9 @@ def bounds(models):
 
 # --- features --------------------------------------------------------------------------------------
 
-PLAIN = ["--two-sided", "off", "--min-splat", "0", "--color-by", "rgb", "--size", "1024x1024", "-q"]
+PLAIN = ["--two-sided", "off", "--min-splat", "0", "--size", "1024x1024", "-q"]
 FEATURES = [
-    ("colours", ["--color-by", "normal"]), ("two-sided", ["--two-sided", "on"]),
+    ("two-sided", ["--two-sided", "on"]),
     ("screen-space floor", ["--min-splat", "1.5"]), ("culling", ["--cull", "back"]),
     ("Gauss kernel", ["--kernel", "gauss"]), ("orthographic", ["--ortho"]),
     ("local viewer", ["--local-viewer"]), ("background", ["--background", "0.2,0.2,0.2"]),
@@ -132,9 +133,12 @@ FEATURES = [
 ]
 
 
-def plan(model, options):
+def plan(model, options, folder):
     """Constants, resources with their bytes, passes: of the plan's text."""
-    text = stipple("plan", model, *options)
+    path = os.path.join(folder, "s.json")
+    stipple("render", model, *options, "--stats", path)
+    with open(path, encoding="utf-8") as file:
+        text = json.load(file)["plan"]
     constants = dict(re.findall(r" (\w+)=(\d+)", re.search(r"^constants:.*$", text, re.M).group(0)))
     resources = {(m[1] + " " + m[2]): int(m[3]) for m in
                  re.finditer(r"^  (\S.*?) +(scene|transient|output) .* (\d+) bytes$", text, re.M)}
@@ -160,22 +164,24 @@ def frame(model, options, folder):
 
 
 def features(model, method, rounds):
-    base = [*PLAIN, "--method", method]
-    off = plan(model, base)
-    print(f"Method {method}. Off, no feature has a constant, a resource or a pass: the plan has "
-          f"{len(off[1])} resources of {sum(off[1].values())} bytes and {len(off[2])} passes.\n\n"
-          "| feature | constants | resources and passes | bytes more | ms off | ms on | ratio |\n"
-          "|---|---|---|---:|---:|---:|---:|")
-    for name, more in FEATURES:
-        on, times = plan(model, base + more), []
-        with tempfile.TemporaryDirectory() as folder:
-            for _ in range(rounds):
-                times.append((frame(model, base, folder), frame(model, base + more, folder)))
-        constants, what = difference(off, on)
-        ratio = statistics.median(b / a for a, b in times)
-        print(f"| {name} | {constants} | {what} | {sum(on[1].values()) - sum(off[1].values())} | "
-              f"{statistics.median(a for a, _ in times):.1f} | "
-              f"{statistics.median(b for _, b in times):.1f} | {ratio:.2f} |", flush=True)
+    with tempfile.TemporaryDirectory() as folder:
+        base = [*PLAIN, "--method", method]
+        off = plan(model, base, folder)
+        print(f"Method {method}, nothing on: {len(off[1])} resources of {sum(off[1].values())} bytes, "
+              f"{len(off[2])} passes.\n\n"
+              "| feature | constants | resources and passes | bytes more | ms off | ms on | ratio |\n"
+              "|---|---|---|---:|---:|---:|---:|")
+        for name, more in FEATURES:
+            on, ms = plan(model, base + more, folder), "- | - | -"
+            times = [(frame(model, base, folder), frame(model, base + more, folder))
+                     for _ in range(rounds)]
+            if times:
+                ratio = statistics.median(b / a for a, b in times)
+                ms = (f"{statistics.median(a for a, _ in times):.1f} | "
+                      f"{statistics.median(b for _, b in times):.1f} | {ratio:.2f}")
+            constants, what = difference(off, on)
+            print(f"| {name} | {constants} | {what} | "
+                  f"{sum(on[1].values()) - sum(off[1].values())} | {ms} |", flush=True)
 
 
 # --- reports ---------------------------------------------------------------------------------------
