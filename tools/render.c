@@ -177,13 +177,16 @@ static int render_frame(struct run *run, struct frame *frame)
         stp_limits_lavapipe(&none); /* the reference plans without a device */
     const struct stp_limits *limits = run->limits ? run->limits : &none;
     double start = seconds_now();
-    int status = group_if_needed(&run->console, settings, run->scene, limits);
+    struct stp_choice choice = { .params = settings->render };
+    int status = EXIT_DONE;
+    if (!run->shared) /* several processes have but one way */
+        status = choose_way(&run->console, settings, run->scene, &frame->camera, limits, &choice);
     run->times.prepare += ms_since(start);
     if (status != EXIT_DONE)
         return status;
     const struct stp_env *env = &run->console.env;
     enum stp_result result =
-        stp_plan_create(env, run->scene, &frame->camera, &settings->render, limits, &frame->plan);
+        stp_plan_create(env, run->scene, &frame->camera, &choice.params, limits, &frame->plan);
     if (run->shared)
         return render_share(run, frame, result);
     if (result == STP_OK)
@@ -279,6 +282,18 @@ static int write_stats(struct run *run)
     return done ? EXIT_DONE : EXIT_FAILED;
 }
 
+/* Only who asks for a bound waits for measurements. */
+static int calibrate(struct run *run)
+{
+    const struct settings *settings = run->settings;
+    struct stp_calibrate_params params = {
+        .again = settings->calibrate,
+        .only_cached = !settings->calibrate && !(settings->render.max_error > 0),
+    };
+    enum stp_result result = stp_calibrate(&run->console.env, run->job.context, &params);
+    return result == STP_OK ? EXIT_DONE : EXIT_FAILED;
+}
+
 /* Frames what is to be framed, then keeps this process's share. */
 static int share_scene(struct run *run)
 {
@@ -320,7 +335,9 @@ static int load(struct run *run)
     if (status == EXIT_DONE && on_device)
         status = context_finish(&run->job, &run->limits);
     if (status == EXIT_DONE && run->shared)
-        status = share_scene(run);
+        return share_scene(run);
+    if (status == EXIT_DONE && run->limits)
+        status = calibrate(run);
     return status;
 }
 
