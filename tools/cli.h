@@ -39,10 +39,12 @@ struct command {
     int (*run)(struct settings *settings);
 };
 
+#define MOST_OPTIONS 128
+
 /* Everything an option can set. Zero is the default throughout, as in the library's structs. */
 struct settings {
     const struct command *command;
-    uint64_t given; /* bit i: option i of the table was on the command line */
+    bool given[MOST_OPTIONS]; /* option i of the table was on the command line */
     char **files;
     int file_count;
     int word_count; /* the command line, from the command's name on, as getopt left it */
@@ -129,6 +131,7 @@ bool value_view(const struct option_spec *spec, const char *text, void *target);
 bool value_clip_box(const struct option_spec *spec, const char *text, void *target);
 bool value_background(const struct option_spec *spec, const char *text, void *target);
 bool value_frames(const struct option_spec *spec, const char *text, void *target);
+bool value_opacity(const struct option_spec *spec, const char *text, void *target);
 bool value_min_splat(const struct option_spec *spec, const char *text, void *target);
 
 extern const struct value_name aov_names[], relax_names[];

@@ -105,6 +105,10 @@ const struct option_spec option_table[] = {
       "file has colours, else the material's)",
       value_text, AT(load.color_by), "rgb, normal, height, intensity, class or a property's name",
       0, 0, NULL },
+    { NULL, POINTS, "opacity", 0, "A",
+      "of every object: multiplied with the points' and the materials' own, in the place of what a "
+      "scene .json says of its objects; 0: nothing is seen (default: 1)",
+      value_opacity, 0, "a number from 0 to 1", 0, 1, NULL },
     { NULL, POINTS, "transfer", 0, "auto|srgb|linear",
       "how colours are stored (default: auto, 8- and 16-bit sRGB, float linear)",
       value_choice, AT(load.transfer), NULL, 0, 0, NULL },
@@ -145,6 +149,14 @@ const struct option_spec option_table[] = {
       "fragment kept and resolved; reference: float64 on the CPU, slow, needs no Vulkan (default: "
       "auto, exact where the device has what it needs, else deferred)",
       value_choice, AT(render.method), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "transparency", 0, "auto|fast|nearest|peel|exact|reference",
+      "how layers behind each other are composited where something is transparent. exact: every "
+      "fragment kept, cut into layers; reference: float64 on the CPU (default: auto, what --method "
+      "says, else exact)",
+      value_choice, AT(render.transparency), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "peel-layers", 0, "K",
+      "peel: at most K layers, the nearest ones (default: 8)",
+      value_count, AT(render.peel_layers), "a whole number from 1 to 1000", 1, 1000, NULL },
     { NULL, PICTURE, "path", 0, "auto|raster|compute",
       "the device's rasteriser, or compute shaders (default: auto)",
       value_choice, AT(render.path), NULL, 0, 0, NULL },
@@ -222,7 +234,7 @@ const struct option_spec option_table[] = {
 /* clang-format on */
 
 const unsigned option_count = sizeof option_table / sizeof *option_table;
-_Static_assert(sizeof option_table / sizeof *option_table <= 64, "settings.given has 64 bits");
+_Static_assert(sizeof option_table / sizeof *option_table <= MOST_OPTIONS, "settings.given");
 
 #define LONG_BASE 256 /* getopt's value of table entry i is LONG_BASE + i */
 
@@ -241,7 +253,7 @@ int wrong_usage(const struct command *command, const char *format, ...)
 bool option_given(const struct settings *settings, const char *name)
 {
     for (unsigned i = 0; i < option_count; i++)
-        if ((settings->given >> i & 1) && strcmp(option_table[i].name, name) == 0)
+        if (settings->given[i] && strcmp(option_table[i].name, name) == 0)
             return true;
     return false;
 }
@@ -324,7 +336,7 @@ static enum parse_outcome apply_option(const struct command *command, int index,
             printf("stipple %s\n", stp_version());
         return PARSE_SHOWN;
     }
-    settings->given |= (uint64_t)1 << index;
+    settings->given[index] = true;
     if (spec->parse(spec, optarg, (char *)settings + spec->offset))
         return PARSE_RUN;
     wrong_usage(command, "--%s '%s': wants %s", spec->name, optarg, allowed_text(spec));
@@ -335,7 +347,7 @@ enum parse_outcome options_parse(const struct command *command, int argc, char *
                                  struct settings *settings)
 {
     char letters[64];
-    struct option longs[65];
+    struct option longs[MOST_OPTIONS + 1];
     int code;
     build_getopt(command, letters, longs);
     opterr = 0;

@@ -311,6 +311,15 @@ bool value_frames(const struct option_spec *spec, const char *text, void *target
 }
 
 /* The library's zero is its default; the command's zero is off. */
+bool value_opacity(const struct option_spec *spec, const char *text, void *target)
+{
+    double opacity;
+    if (!value_real(spec, text, &opacity))
+        return false;
+    ((struct settings *)target)->load.opacity = (float)opacity > 0 ? (float)opacity : -1;
+    return true;
+}
+
 bool value_min_splat(const struct option_spec *spec, const char *text, void *target)
 {
     double pixels;
