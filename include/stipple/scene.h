@@ -120,9 +120,11 @@ STP_API enum stp_result stp_scene_group(const struct stp_env *env, struct stp_sc
 
 /* ZP 4.2: how a group comes to cover the surface. */
 enum stp_extend {
-    STP_EXTEND_AUTO = 0,  /* duplicates up to 4 groups, larger radii beyond */
+    STP_EXTEND_AUTO = 0,  /* BOTH up to 4 groups, larger radii beyond */
     STP_EXTEND_DUPLICATE, /* splats join further groups */
     STP_EXTEND_ENLARGE,   /* ZP Eq. 9: one factor a group, at most 2 */
+    STP_EXTEND_BOTH,      /* duplicates up to 45 %, then radii by up to 1.2; more duplicates where
+                             that is not enough */
 };
 
 struct stp_cover_params {

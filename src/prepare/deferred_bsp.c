@@ -17,10 +17,23 @@ struct building {
     struct item *items;
 };
 
-/* A total order along an axis: no two ids are equal. */
+/* Is a below b along the axis, along the next one where they are level, along the last one where
+ * they are level again? That is a plane turned by as good as nothing, so that an eye within the
+ * plane has a side too. */
+static bool below(const float a[3], const float b[3], int axis)
+{
+    int next = (axis + 1) % 3, last = (axis + 2) % 3;
+    if (a[axis] != b[axis])
+        return a[axis] < b[axis];
+    return a[next] != b[next] ? a[next] < b[next] : a[last] < b[last];
+}
+
+/* A total order: no two ids are equal. */
 static bool item_before(struct item a, struct item b, int axis)
 {
-    return a.p[axis] < b.p[axis] || (a.p[axis] == b.p[axis] && a.id < b.id);
+    if (below(a.p, b.p, axis))
+        return true;
+    return !below(b.p, a.p, axis) && a.id < b.id;
 }
 
 static size_t any_between(size_t low, size_t high)
@@ -79,8 +92,9 @@ static void build_range(struct building *b, size_t low, size_t high)
         size_t middle = low + (high - low) / 2;
         int axis = widest_axis(b->items, low, high);
         select_item(b->items, low, high, middle, axis);
+        const struct item *m = &b->items[middle];
         b->groups->node[middle] =
-            (struct bsp_node){ b->items[middle].id, b->items[middle].p[axis], (uint8_t)axis };
+            (struct bsp_node){ { m->p[0], m->p[1], m->p[2] }, m->id, (uint8_t)axis };
         build_range(b, middle + 1, high);
         high = middle;
     }
@@ -131,7 +145,7 @@ struct walk {
 /* Is what lies above the node's plane behind it? */
 static bool high_is_far(const struct walk *w, const struct bsp_node *n)
 {
-    return w->eye[n->axis] < n->split;
+    return below(w->eye, n->p, n->axis);
 }
 
 static void emit(const struct walk *w, size_t low, size_t high, uint32_t *out)

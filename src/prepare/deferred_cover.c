@@ -12,9 +12,12 @@
 
 #define MOST_EDGES       64 /* undirected, a splat */
 #define MIN_EDGES        ((size_t)1 << 20)
-#define CROWD            64 /* larger splats over one that is crowded */
-#define DUPLICATE_GROUPS 4  /* AUTO: the most groups that take duplicates */
-#define ROUNDS           3  /* of duplicates */
+#define CROWD            64               /* larger splats over one that is crowded */
+#define DUPLICATE_GROUPS 4                /* AUTO: the most groups that take duplicates */
+#define ROUNDS           3                /* of duplicates */
+#define MOST_MEMBERS     (UINT32_MAX / 3) /* a draw counts three vertices each */
+#define MOST_DUPLICATES  0.45             /* BOTH: of the splats */
+#define MISSED           2e-3             /* of the surface, and then more is done */
 #define MEASURE_BUDGET   ((size_t)1 << 22)
 
 static double now_ms(void)
@@ -48,8 +51,11 @@ static enum stp_result start(struct cover *cover, const struct stp_scene *scene)
         return log_no_memory(cover->env, n * 9, "groups");
     for (unsigned i = 0; i < scene->object_count; i++)
         epsilon[i] = scene->objects[i].epsilon;
-    for (size_t i = 1; i < n; i++)
-        cover->skip[i] = splats_equal(&scene->splats, i - 1, i) ? COVER_EQUAL : 0;
+    for (size_t i = 0; i < n; i++) {
+        bool seen = !scene->splats.opacity || scene->splats.opacity[i] > 0;
+        bool equal = i > 0 && splats_equal(&scene->splats, i - 1, i);
+        cover->skip[i] = seen && !equal ? 0 : COVER_OUT;
+    }
     return STP_OK;
 }
 
@@ -79,6 +85,11 @@ static enum stp_result build_graph(struct cover *cover, double reach)
                : result;
 }
 
+static double largest_factor(enum stp_extend extend)
+{
+    return extend == STP_EXTEND_ENLARGE ? 2 : extend == STP_EXTEND_BOTH ? 1.2 : 1;
+}
+
 static double least(const double *share, unsigned count)
 {
     double least = share[0];
@@ -87,35 +98,72 @@ static double least(const double *share, unsigned count)
     return least;
 }
 
+static enum stp_result measure(const struct cover *cover, struct stp_cover *facts, size_t *points)
+{
+    return cover_measure(cover, facts->factor, MEASURE_BUDGET, facts->coverage, points);
+}
+
+static size_t members(const struct cover *cover)
+{
+    size_t sum = 0;
+    for (size_t i = 0; i < cover->splats->count; i++)
+        sum += (size_t)__builtin_popcountll(cover->member[i]);
+    return sum;
+}
+
 /* Duplicates are chosen by few points a disc, which flatter the groups: where other points see
- * less than the target, it is raised by what is missing. */
+ * less than the target, it is raised by what is missing. At most `most` members in all. */
 static enum stp_result duplicate(struct cover *cover, struct stp_cover *facts, double target,
-                                 size_t *points)
+                                 size_t most, size_t *points)
 {
     double raised = target;
     for (unsigned round = 0; round < ROUNDS; round++) {
-        enum stp_result result = cover_duplicate(cover, raised);
+        size_t taken = members(cover), room = most > taken ? (most - taken) / cover->groups : 0;
+        enum stp_result result = cover_duplicate(cover, raised, room);
         if (result == STP_OK)
-            result = cover_measure(cover, NULL, MEASURE_BUDGET, facts->coverage, points);
+            result = measure(cover, facts, points);
         double missing = target - least(facts->coverage, cover->groups);
-        if (result != STP_OK || missing <= 0)
+        if (result != STP_OK || missing <= 0 || room == 0)
             return result;
         raised = fmin(1, raised + 1.25 * missing);
     }
     return STP_OK;
 }
 
+static enum stp_result enlarge(struct cover *cover, struct stp_cover *facts, double target,
+                               size_t *points)
+{
+    enum stp_result result =
+        cover_enlarge(cover, target, largest_factor(facts->extend), facts->factor);
+    return result == STP_OK ? measure(cover, facts, points) : result;
+}
+
+/* Few duplicates, larger radii for the rest; where even those are too small, as many duplicates
+ * as it takes. */
+static enum stp_result extend_both(struct cover *cover, struct stp_cover *facts, double target,
+                                   size_t *points)
+{
+    size_t most = members(cover) + (size_t)(MOST_DUPLICATES * (double)members(cover));
+    enum stp_result result = duplicate(cover, facts, target, most, points);
+    if (result == STP_OK && least(facts->coverage, cover->groups) < target - MISSED)
+        result = enlarge(cover, facts, target, points);
+    if (result != STP_OK || least(facts->coverage, cover->groups) >= target - MISSED)
+        return result;
+    for (unsigned k = 0; k < cover->groups; k++)
+        facts->factor[k] = 1;
+    return duplicate(cover, facts, target, SIZE_MAX, points);
+}
+
 static enum stp_result extend(struct cover *cover, struct stp_cover *facts, double target)
 {
     enum stp_result result;
-    size_t points;
-    if (facts->extend == STP_EXTEND_DUPLICATE) {
-        result = duplicate(cover, facts, target, &points);
-    } else {
-        result = cover_enlarge(cover, target, facts->factor);
-        if (result == STP_OK)
-            result = cover_measure(cover, facts->factor, MEASURE_BUDGET, facts->coverage, &points);
-    }
+    size_t points = 0;
+    if (facts->extend == STP_EXTEND_DUPLICATE)
+        result = duplicate(cover, facts, target, SIZE_MAX, &points);
+    else if (facts->extend == STP_EXTEND_ENLARGE)
+        result = enlarge(cover, facts, target, &points);
+    else
+        result = extend_both(cover, facts, target, &points);
     if (result != STP_OK)
         return result;
     double worst = 0;
@@ -128,9 +176,7 @@ static enum stp_result extend(struct cover *cover, struct stp_cover *facts, doub
 /* Several groups. */
 static enum stp_result make_groups(struct cover *cover, struct stp_cover *facts, double target)
 {
-    bool enlarge = facts->extend == STP_EXTEND_ENLARGE;
-    /* A radius of up to 2 against one of 1: (1 + 2) / 2 of the sum. */
-    enum stp_result result = build_graph(cover, enlarge ? (1 + COVER_MAX_FACTOR) / 2 : 1);
+    enum stp_result result = build_graph(cover, (1 + largest_factor(facts->extend)) / 2);
     if (result == STP_OK)
         result = cover_masks_build(cover);
     if (result == STP_OK)
@@ -144,7 +190,7 @@ static enum stp_result make_groups(struct cover *cover, struct stp_cover *facts,
 static void make_one(struct cover *cover, struct stp_cover *facts)
 {
     for (size_t i = 0; i < cover->splats->count; i++)
-        cover->member[i] = cover->skip[i] != COVER_EQUAL;
+        cover->member[i] = cover->skip[i] != COVER_OUT;
     facts->before[0] = facts->coverage[0] = 1;
 }
 
@@ -157,9 +203,9 @@ static enum stp_result make_trees(const struct cover *cover, struct stp_cover *f
         facts->members += (size_t)__builtin_popcountll(cover->member[i]);
         splats += cover->member[i] != 0;
     }
-    facts->duplicates = (double)(facts->members - splats) / (double)splats;
+    facts->duplicates = splats ? (double)(facts->members - splats) / (double)splats : 0;
     uint32_t *member =
-        facts->members <= UINT32_MAX / 3 ? mem_alloc(facts->members, sizeof *member) : NULL;
+        facts->members <= MOST_MEMBERS ? mem_alloc(facts->members, sizeof *member) : NULL;
     if (!member)
         return log_no_memory(cover->env, facts->members * sizeof *member, "groups");
     size_t at = 0;
@@ -186,7 +232,7 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
                          p->groups, STP_MAX_GROUPS);
     if (!(p->coverage >= 0 && p->coverage <= 1))
         return log_error(env, STP_ERROR_ARGUMENT, "coverage: %g is not in (0, 1]", p->coverage);
-    if (p->extend > STP_EXTEND_ENLARGE)
+    if (p->extend > STP_EXTEND_BOTH)
         return log_error(env, STP_ERROR_ARGUMENT, "coverage: extend %d means nothing",
                          (int)p->extend);
     return STP_OK;
@@ -196,7 +242,7 @@ static struct stp_cover asked(const struct stp_cover_params *p)
 {
     struct stp_cover facts = { .groups = p->groups ? p->groups : STP_DEFAULT_COVER_GROUPS };
     facts.extend = p->extend != STP_EXTEND_AUTO       ? p->extend
-                   : facts.groups <= DUPLICATE_GROUPS ? STP_EXTEND_DUPLICATE
+                   : facts.groups <= DUPLICATE_GROUPS ? STP_EXTEND_BOTH
                                                       : STP_EXTEND_ENLARGE;
     for (unsigned k = 0; k < facts.groups; k++)
         facts.factor[k] = 1;

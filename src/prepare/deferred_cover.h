@@ -1,8 +1,9 @@
 /* ZP 4.2: groups that each cover the surface, for transparency. The surface is what the discs
  * themselves cover: a point of disc i is covered by disc j when it lies within j's radius, seen
- * along j's normal, and within epsilon of its plane, and both face the same way: they are then
- * fragments of one layer. All areas are sampled; every splat's points are weighted by one over
- * the number of discs that cover them, so that overlaps count once (ZP Eq. 7 counts them twice).
+ * along j's normal, and within epsilon of its plane, both face the same way, and are of one object:
+ * they are then fragments of one layer. All areas are sampled; every splat's points are weighted by
+ * one over the number of discs that cover them, so that overlaps count once (ZP Eq. 7 counts them
+ * twice).
  *
  * What each step needs is filled by the one before it: masks, assign, then duplicate or enlarge. */
 #ifndef STP_PREPARE_DEFERRED_COVER_H
@@ -10,12 +11,12 @@
 
 #include "prepare/prepare.h"
 
-#define COVER_POINTS     32  /* of a disc while groups are made: a bit each */
-#define COVER_MAX_FACTOR 2.0 /* radii are never enlarged beyond it */
+#define COVER_POINTS 32 /* of a disc while groups are made: a bit each */
 
-/* Splats that take no part: COVER_EQUAL ones are left out for their predecessor, the same fragment;
+/* Splats that take no part: COVER_OUT ones are in no group, being equal to their predecessor
+ * or of opacity 0;
  * COVER_CROWDED ones lie in heaps, under many larger ones, and are dealt to the groups in turn. */
-enum { COVER_EQUAL = 1, COVER_CROWDED = 2 };
+enum { COVER_OUT = 1, COVER_CROWDED = 2 };
 
 struct cover {
     const struct stp_env *env;
@@ -48,8 +49,9 @@ uint32_t cover_edge_back(const struct cover *cover, size_t i, size_t j);
  * few move: groups of like size that overlap themselves little. Those left out take turns. */
 enum stp_result cover_assign(struct cover *cover);
 
-/* Adds splats to groups until each covers `target` of the surface, largest new area first. */
-enum stp_result cover_duplicate(struct cover *cover, double target);
+/* Adds splats to groups, largest new area first, until each covers `target` of the surface or has
+ * taken `room` of them. */
+enum stp_result cover_duplicate(struct cover *cover, double target, size_t room);
 
 /* Share of the surface that each group covers when its radii are multiplied by factor[k], from
  * points that no other step has seen: about `budget` of them, at least one a splat counted. The
@@ -57,8 +59,11 @@ enum stp_result cover_duplicate(struct cover *cover, double target);
 enum stp_result cover_measure(const struct cover *cover, const double *factor, size_t budget,
                               double *share, size_t *points);
 
-/* ZP Eq. 9, one factor a group: from factor[k] = 1 up to COVER_MAX_FACTOR until the group covers
- * `target`. Each step adds at most the missing area, so it comes from below and stops. */
-enum stp_result cover_enlarge(const struct cover *cover, double target, double *factor);
+/* ZP Eq. 9, one factor a group: from factor[k] = 1 up to `most` until the group covers `target`
+ * but for a 2000th of the surface. It never falls, and stops. The graph reaches
+ * (1 + most) / 2 times the radii's sum: what a much larger disc covers beyond that is not seen, so
+ * shares are never overstated. */
+enum stp_result cover_enlarge(const struct cover *cover, double target, double most,
+                              double *factor);
 
 #endif

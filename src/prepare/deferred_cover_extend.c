@@ -11,38 +11,46 @@
 #define SWEEPS        6
 #define SETTLED       512               /* of so many splats, one moved: that will do */
 #define LEAST_NEW     2                 /* points: a splat with fewer new ones is not added */
-#define RADIUS_BUDGET ((size_t)1 << 20) /* points that a step of Eq. 9 looks at */
+#define RADIUS_BUDGET ((size_t)1 << 18) /* points that a step of Eq. 9 looks at */
 #define RADIUS_STEPS  32
+#define LARGEST_STEP  0.2  /* of a squared factor */
+#define CLOSE_ENOUGH  5e-4 /* of the surface */
 
 static unsigned count_bits(uint32_t word)
 {
     return (unsigned)__builtin_popcount(word);
 }
 
-/* The group whose members cover the splat least; its own where that is as good. */
-static unsigned least_covered(const struct cover *c, size_t i, const uint8_t *group)
+/* The group whose members cover the splat least; its own where that is as good, else the smallest
+ * of several. */
+static unsigned least_covered(const struct cover *c, size_t i, const uint8_t *group,
+                              const size_t *size)
 {
     struct overlap_row row = overlap_row(&c->graph, i);
     uint32_t covered[STP_MAX_GROUPS] = { 0 };
     for (size_t e = 0; e < row.degree; e++)
         if (group[row.neighbour[e]] < c->groups)
             covered[group[row.neighbour[e]]] |= cover_edge(c, i, e);
-    unsigned best = group[i] < c->groups ? group[i] : 0;
-    for (unsigned k = 0; k < c->groups; k++)
-        if (count_bits(covered[k]) < count_bits(covered[best]))
+    bool fresh = group[i] >= c->groups;
+    unsigned best = fresh ? 0 : group[i];
+    for (unsigned k = 0; k < c->groups; k++) {
+        unsigned bits = count_bits(covered[k]), least = count_bits(covered[best]);
+        if (bits < least || (fresh && bits == least && size[k] < size[best]))
             best = k;
+    }
     return best;
 }
 
 static void sweep(const struct cover *c, uint8_t *group)
 {
-    size_t n = c->splats->count, moved = n;
+    size_t n = c->splats->count, moved = n, size[STP_MAX_GROUPS] = { 0 };
     for (unsigned round = 0; round < SWEEPS && moved > n / SETTLED; round++) {
         moved = 0;
         for (size_t i = 0; i < n; i++) {
             if (c->skip[i])
                 continue;
-            unsigned best = least_covered(c, i, group);
+            unsigned best = least_covered(c, i, group, size);
+            size[best] += round == 0;
             moved += group[i] != best;
             group[i] = (uint8_t)best;
         }
@@ -61,7 +69,7 @@ enum stp_result cover_assign(struct cover *cover)
     for (size_t i = 0; i < n; i++) {
         if (cover->skip[i] == COVER_CROWDED)
             group[i] = (uint8_t)(turn++ % cover->groups);
-        cover->member[i] = cover->skip[i] == COVER_EQUAL ? 0 : (uint64_t)1 << group[i];
+        cover->member[i] = cover->skip[i] == COVER_OUT ? 0 : (uint64_t)1 << group[i];
     }
     mem_free(group);
     return STP_OK;
@@ -82,7 +90,7 @@ struct growing {
     double missing; /* area until the target is met */
     uint32_t *have; /* points of every splat that the group covers */
     struct candidate *heap;
-    size_t size;
+    size_t size, room; /* of the heap; members that may still join */
 };
 
 static bool before(struct candidate a, struct candidate b)
@@ -152,12 +160,13 @@ static void start(struct growing *g, double target)
 /* `joined` collects the members' bits apart, since groups grow side by side. */
 static void grow(struct growing *g, uint8_t *joined)
 {
-    while (g->size && g->missing > 0 && g->heap[0].area > 0) {
+    while (g->size && g->room && g->missing > 0 && g->heap[0].area > 0) {
         struct candidate best = g->heap[0];
         float area = new_area(g, best.id);
         if (area == best.area) {
             joined[best.id] = 1;
             join(g, best.id);
+            g->room--;
             area = 0;
         }
         if (area > 0)
@@ -172,6 +181,7 @@ static void grow(struct growing *g, uint8_t *joined)
 struct duplicating {
     struct cover *cover;
     double target;
+    size_t room;     /* a group */
     uint8_t *joined; /* a byte a splat and group */
     atomic_bool no_memory;
 };
@@ -181,7 +191,7 @@ static void duplicate_groups(void *context, size_t begin, size_t end, unsigned w
     struct duplicating *d = context;
     size_t n = d->cover->splats->count;
     for (size_t k = begin; k < end; k++) {
-        struct growing g = { .cover = d->cover, .bit = (uint64_t)1 << k };
+        struct growing g = { .cover = d->cover, .bit = (uint64_t)1 << k, .room = d->room };
         g.have = mem_zalloc(n, sizeof *g.have);
         g.heap = mem_alloc(n, sizeof *g.heap);
         if (g.have && g.heap) {
@@ -195,10 +205,10 @@ static void duplicate_groups(void *context, size_t begin, size_t end, unsigned w
     }
 }
 
-enum stp_result cover_duplicate(struct cover *cover, double target)
+enum stp_result cover_duplicate(struct cover *cover, double target, size_t room)
 {
     size_t n = cover->splats->count;
-    struct duplicating d = { .cover = cover, .target = target };
+    struct duplicating d = { .cover = cover, .target = target, .room = room };
     d.joined = mem_zalloc(n, cover->groups);
     if (d.joined)
         parallel_for(cover->env, cover->groups, 1, duplicate_groups, &d);
@@ -229,26 +239,56 @@ static double surface_area(const struct cover *c)
     return area;
 }
 
-enum stp_result cover_enlarge(const struct cover *cover, double target, double *factor)
+/* One group on its way: x is its factor squared. */
+struct enlarging {
+    double x, share;           /* before the last step */
+    double area, missing_area; /* of its discs at factor 1; of the surface, short of the target */
+};
+
+/* ZP Eq. 9 adds the missing area to the discs' as if none of it overlapped; after the first step
+ * what a step has gained is known, and the next goes as far as that promises. The gain falls as the
+ * radii grow, so neither reaches far beyond the target. */
+static double next_factor(struct enlarging *e, double factor, double share, double most)
 {
+    double x = factor * factor, slope = e->area;
+    if (x > e->x && share > e->share)
+        slope = fmin(slope, (share - e->share) / (x - e->x));
+    double step = e->missing_area / slope;
+    e->x = x;
+    e->share = share;
+    return fmin(sqrt(x + fmin(step, LARGEST_STEP)), most);
+}
+
+/* False: none needs another step. */
+static bool enlarge_groups(struct enlarging *state, unsigned groups, double target, double most,
+                           const double *share, double *factor)
+{
+    bool moved = false;
+    for (unsigned k = 0; k < groups; k++) {
+        state[k].missing_area = target - share[k];
+        if (!(state[k].missing_area > CLOSE_ENOUGH) || !(state[k].area > 0) || factor[k] >= most)
+            continue;
+        factor[k] = next_factor(&state[k], factor[k], share[k], most);
+        moved = true;
+    }
+    return moved;
+}
+
+enum stp_result cover_enlarge(const struct cover *cover, double target, double most, double *factor)
+{
+    struct enlarging state[STP_MAX_GROUPS] = { 0 };
     double area[STP_MAX_GROUPS] = { 0 }, share[STP_MAX_GROUPS], surface = surface_area(cover);
-    bool moved = true;
-    enum stp_result result = STP_OK;
+    bool moved = surface > 0;
     group_areas(cover, area);
-    for (unsigned k = 0; k < cover->groups; k++)
+    for (unsigned k = 0; k < cover->groups; k++) {
+        state[k] = (struct enlarging){ .x = 1, .area = area[k] / surface };
         factor[k] = 1;
+    }
     for (unsigned step = 0; moved && step < RADIUS_STEPS; step++) {
-        result = cover_measure(cover, factor, RADIUS_BUDGET, share, NULL);
+        enum stp_result result = cover_measure(cover, factor, RADIUS_BUDGET, share, NULL);
         if (result != STP_OK)
             return result;
-        moved = false;
-        for (unsigned k = 0; k < cover->groups; k++) {
-            double missing = surface * (target - share[k]);
-            if (!(missing > 1e-4 * surface) || !(area[k] > 0) || factor[k] >= COVER_MAX_FACTOR)
-                continue;
-            factor[k] = fmin(sqrt(factor[k] * factor[k] + missing / area[k]), COVER_MAX_FACTOR);
-            moved = true;
-        }
+        moved = enlarge_groups(state, cover->groups, target, most, share, factor);
     }
-    return result;
+    return STP_OK;
 }

@@ -74,11 +74,18 @@ static struct pair_form form_of(const struct splats *s, size_t i, size_t j)
                                dot(d, n), r * dot(u, n),     r * dot(v, n) };
 }
 
+/* Neither stands for the other: of two objects, or opaque beside transparent. */
+static bool one_surface(const struct splats *s, size_t i, size_t j)
+{
+    return (!s->object || s->object[i] == s->object[j]) &&
+           (!s->opacity || (s->opacity[i] == 1) == (s->opacity[j] == 1));
+}
+
 uint32_t cover_mask(const struct cover *cover, const struct cover_points *points, size_t i,
                     size_t j, float factor)
 {
     const struct splats *s = cover->splats;
-    if (dot(s->normal[i], s->normal[j]) < 0)
+    if (dot(s->normal[i], s->normal[j]) < 0 || !one_surface(s, i, j))
         return 0;
     struct pair_form f = form_of(s, i, j);
     float reach = s->radius[j] * factor,

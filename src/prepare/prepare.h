@@ -91,7 +91,8 @@ bool splats_equal(const struct splats *splats, size_t i, size_t j);
 enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,
                             const struct stp_group_params *params);
 
-/* Into scene->cover and facts.cover. Splats that equal their predecessor are in no group. Where
+/* Into scene->cover and facts.cover. Splats of opacity 0, and those that
+ * equal their predecessor, are in no group. Where
  * more overlap than any K could make use of (128 a splat on average), those under 64 or more larger
  * ones count as crowded: they are dealt out in turn and not sampled, so that a million coincident
  * splats take no more time than others. */

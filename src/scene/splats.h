@@ -17,10 +17,10 @@ struct splats {
     uint8_t *group;        /* NULL: not grouped; in [0, facts.grouping.groups) */
 };
 
-/* A plane at right angles to an axis, through a splat's centre, relative to the origin. */
+/* A plane at right angles to an axis, through the centre of splat id, p, relative to the origin. */
 struct bsp_node {
+    float p[3];
     uint32_t id;
-    float split;
     uint8_t axis;
 };
 
