@@ -48,4 +48,7 @@ const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
 const uint ID_WORDS = SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS;
 
-layout(push_constant) uniform Push { uint push_first; uint push_sample; };
+#ifndef PUSH_MORE
+#define PUSH_MORE
+#endif
+layout(push_constant) uniform Push { uint push_first; uint push_sample; PUSH_MORE };
