@@ -51,4 +51,6 @@ const uint ID_WORDS = SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS;
 #ifndef PUSH_MORE
 #define PUSH_MORE
 #endif
-layout(push_constant) uniform Push { uint push_first; uint push_sample; PUSH_MORE };
+// push_first: the first splat of a draw, or the level of a pyramid; push_count: points.
+layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; uint push_pad; PUSH_MORE };
+// Constant 22 is the size of a workgroup of the pyramid's passes.

@@ -1,5 +1,10 @@
 // Deferred shading, one for every method: averaged attributes in, the picture's channels out.
 
+// Which of the materials is the surface's.
+#ifndef SURFACE_OBJECT
+#define SURFACE_OBJECT(s) (floatBitsToUint(frame.splats.v[2 * s.id + 1].w) >> 8)
+#endif
+
 struct Surface {
     float weight;     // sum of weights
     vec3 normal;      // weighted sum, camera frame
@@ -84,7 +89,7 @@ void surface_write(uvec2 p, bool hit, Surface s)
     float depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
     MaterialData m = frame.materials.v[0];
     if (HAS_OBJECTS)
-        m = frame.materials.v[hit ? floatBitsToUint(frame.splats.v[2 * s.id + 1].w) >> 8 : 0];
+        m = frame.materials.v[hit ? SURFACE_OBJECT(s) : 0];
     vec3 albedo = m.albedo;
     if (HAS_COLOR)
         albedo = vanished ? frame.colors.v[hit ? s.id : 0] : s.albedo / s.weight;

@@ -10,6 +10,8 @@ SLOT_OFFSET(colors, PLAN_COLORS);
 SLOT_OFFSET(materials, PLAN_MATERIALS);
 SLOT_OFFSET(order, PLAN_ORDER);
 SLOT_OFFSET(work, PLAN_WORK);
+SLOT_OFFSET(objects, PLAN_OBJECTS);
+SLOT_OFFSET(rim, PLAN_RIM);
 SLOT_OFFSET(large, PLAN_LARGE);
 SLOT_OFFSET(keys, PLAN_KEYS);
 SLOT_OFFSET(key_ids, PLAN_SLOT_IDS);
@@ -22,12 +24,17 @@ SLOT_OFFSET(out_depth, PLAN_OUT_DEPTH);
 SLOT_OFFSET(out_albedo, PLAN_OUT_ALBEDO);
 SLOT_OFFSET(out_id, PLAN_OUT_ID);
 /* Scalar layout: nothing is padded before the lights. */
-_Static_assert(offsetof(struct stp_frame_constants, rotation64) == 128 &&
-                   offsetof(struct stp_frame_constants, rotation) == 256,
+_Static_assert(offsetof(struct stp_frame_constants, rotation64) == 144 &&
+                   offsetof(struct stp_frame_constants, rotation) == 272,
                "rotation");
 _Static_assert(offsetof(struct stp_frame_constants, lights) ==
-                   offsetof(struct stp_frame_constants, raster_slab) + 4,
+                   offsetof(struct stp_frame_constants, pyramid_color) + 4,
                "lights");
+#define BINDING(binding, slot) _Static_assert((binding) == PLAN_BINDING(slot), #slot)
+BINDING(STP_BINDING_PYRAMID, PLAN_IMAGE_PYRAMID);
+BINDING(STP_BINDING_ATTRIBUTES, PLAN_IMAGE_ATTRIBUTES);
+BINDING(STP_BINDING_POINTS, PLAN_TEXEL_POINTS);
+BINDING(STP_BINDING_RADII, PLAN_TEXEL_RADII);
 _Static_assert(sizeof(struct stp_frame_constants) % 4 == 0 &&
                    sizeof(struct stp_frame_constants) < 65536,
                "vkCmdUpdateBuffer");
@@ -47,5 +54,12 @@ struct stp_frame_constants pass_constants(const struct stp_plan *plan,
     constants.tile_height = tile->height;
     constants.blocks_x = (tile->width + STP_BLOCK - 1) / STP_BLOCK;
     constants.blocks_y = (tile->height + STP_BLOCK - 1) / STP_BLOCK;
+    if (plan->method == STP_METHOD_PYRAMID) {
+        struct plan_grid grid = plan_tile_grid(plan, tile);
+        constants.grid_x = grid.x;
+        constants.grid_y = grid.y;
+        constants.grid_width = grid.width;
+        constants.grid_height = grid.height;
+    }
     return constants;
 }

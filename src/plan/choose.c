@@ -92,10 +92,18 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
     if (path == STP_PATH_RASTER && plan->method == STP_METHOD_EXACT)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "method exact has no raster path; ask for compute, or for two-pass");
+    if (path == STP_PATH_RASTER && plan->method == STP_METHOD_PYRAMID)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method pyramid has no raster path; ask for compute");
     if (path == STP_PATH_RASTER && !formats)
         return log_error(env, STP_ERROR_FEATURE,
                          "--path raster needs shaderStorageImageExtendedFormats, which the device "
                          "lacks; use --path compute");
+    if (plan->method == STP_METHOD_PYRAMID && !atomics)
+        return log_error(
+            env, STP_ERROR_FEATURE,
+            "method pyramid needs shaderBufferInt64Atomics, which the device lacks; use "
+            "--method exact");
     if (path == STP_PATH_COMPUTE && plan->method == STP_METHOD_DEFERRED && !atomics)
         return log_error(env, STP_ERROR_FEATURE,
                          "deferred --path compute%s needs shaderBufferInt64Atomics, which the "
@@ -153,7 +161,15 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
 static void explain(struct stp_plan *plan)
 {
     const char *method = stp_method_name(plan->method);
-    const char *asked = plan->params.method == STP_METHOD_AUTO ? "chosen" : "asked for";
+    const struct stp_prediction *p = &plan->params.prediction;
+    char predicted[128];
+    snprintf(predicted, sizeof predicted,
+             "the cheapest within an error of %.3g (predicted: %.3g ms, error at most %.2g)",
+             p->bound, p->milliseconds, p->error);
+    const char *asked = p->bound > 0 && p->error <= p->bound     ? predicted
+                        : p->bound > 0                           ? "the most exact that there is"
+                        : plan->params.method == STP_METHOD_AUTO ? "chosen"
+                                                                 : "asked for";
     char *why = plan->why;
     size_t size = sizeof plan->why;
     switch (plan->method) {
@@ -178,6 +194,12 @@ static void explain(struct stp_plan *plan)
                  plan->voronoi == STP_VORONOI_OFF    ? "off"
                  : plan->voronoi == STP_VORONOI_SLAB ? "slab"
                                                      : "exact");
+        break;
+    case STP_METHOD_PYRAMID:
+        snprintf(why, size,
+                 "%s is %s: one pixel a point, %u levels, since the largest splat is at most 2^%u "
+                 "pixels across.",
+                 method, asked, plan->levels, plan->levels - 1);
         break;
     case STP_METHOD_TWO_PASS:
         snprintf(why, size, "%s is %s: two geometry passes by %s, the classical baseline.", method,
@@ -222,6 +244,8 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
                       (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 &&
                       plan->limits.processor == 2 &&
                       plan->facts.grouping.groups <= plan->limits.max_image_layers;
+    if (plan->method == STP_METHOD_PYRAMID)
+        plan_pyramid_view(plan);
     explain(plan);
     return STP_OK;
 }

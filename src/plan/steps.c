@@ -22,7 +22,10 @@ static unsigned texel_bytes(enum plan_format format)
     case PLAN_RG32F:
         return 8;
     case PLAN_RGBA32F:
+    case PLAN_RGBA32UI:
         return 16;
+    case PLAN_TEXELS_RGBA32UI:
+    case PLAN_TEXELS_R32F:
     case PLAN_BUFFER:
         break;
     }
@@ -171,7 +174,8 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
     pass->offset = STP_WORK_BLOCKS * 4;
     splat_reads(plan, pass);
     plan_updates(plan, pass, PLAN_WORK);
-    updates_all(plan, pass, read);
+    for (; *read != PLAN_SLOTS; read++)
+        plan_reads(plan, pass, *read);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
         if (plan_samples(plan) > 1)
             plan_updates(plan, pass, slot);
