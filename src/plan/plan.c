@@ -151,6 +151,9 @@ enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan
     *made = *plan;
     memcpy(tiles, plan->tile, plan->tile_count * sizeof *tiles);
     made->tile = tiles;
+    /* Recording needs no lists: uploading does, from the plan itself. */
+    made->axis.order = NULL;
+    made->axis_blocks.first = made->axis_blocks.entry = NULL;
     if (plan->params.background)
         made->params.background = made->background;
     *copy = made;

@@ -35,7 +35,7 @@ static struct stp_camera view_of_index(int index)
     return c;
 }
 
-static struct view view_by_hand(const struct stp_scene *scene, const struct stp_camera *camera)
+static struct view view_of_pixels(const struct stp_scene *scene, const struct stp_camera *camera)
 {
     struct view view = { .scene = scene, .width = W, .height = H, .grid = 1 };
     eye_init(&view.eye, camera, scene->splats.origin);
@@ -58,7 +58,7 @@ static double share(const struct stp_camera *c, int x, int y, int axis, bool bac
 static void count_by_pixels(const struct stp_scene *scene, const struct stp_camera *camera,
                             double h, size_t count[6])
 {
-    struct view view = view_by_hand(scene, camera);
+    struct view view = view_of_pixels(scene, camera);
     struct medium medium;
     assert_int_equal(medium_init(NULL, &view, &medium), STP_OK);
     memset(count, 0, 6 * sizeof *count);
@@ -237,7 +237,7 @@ static void blocks_hold_every_fragment(void **state)
     for (int v = 0; v < VIEWS + MORE_VIEWS; v++) {
         struct stp_scene *scene = random_scene(40 + (uint32_t)v, (double[]){ 0.25, 0.2, 0.3 });
         struct stp_camera camera = view_of_index(v);
-        struct view view = view_by_hand(scene, &camera);
+        struct view view = view_of_pixels(scene, &camera);
         struct medium medium;
         struct axis_lists lists;
         struct axis_blocks blocks;
