@@ -47,6 +47,11 @@
 #define STP_BINDING_ATTRIBUTES 7
 #define STP_BINDING_POINTS     8
 #define STP_BINDING_RADII      9
+#define STP_AXIS_PART    60000u /* entries of a block's list that one pass takes */
+#define STP_AXIS_MERGE_BLEND 0
+#define STP_AXIS_MERGE_CLIP  1
+#define STP_BINDING_AXIS_COLOR 10
+#define STP_BINDING_AXIS_DEPTH 11
 #define STP_ID_WORDS     4     /* of out_id a pixel, with several samples; else 2 */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
@@ -81,20 +86,36 @@ struct stp_material_gpu {
     float epsilon;
 };
 
+/* HM: kernels of one shape, and the walks that draw them; zero without them. */
+struct stp_axis_gpu {
+    float shape[6]; /* camera frame: xx xy xz yy yz zz */
+    float extent[3];      /* of the box around a kernel's reach */
+    float reach2;       /* squared, in deviations */
+    float scale;        /* amplitude * sqrt(2 pi) */
+    float least_alpha;
+    float h;
+    uint merge; /* STP_AXIS_MERGE_* */
+    uint splats; /* of all lists */
+    uint blocks_x, blocks_y; /* compute: of the whole picture */
+    uint walk[6]; /* axis; + 4: rays run against it */
+};
+
 struct stp_frame_constants {
     STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz group|object<<8 */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
-    STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group */
+    STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group; axis: by block */
     STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
     STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
     STP_ADDRESS(UintRef, rim);           /* pyramid: empty pixels, then, from the end, those points */
     STP_ADDRESS(UintRef, large);         /* ids of large splats; exact: then those to repair */
     STP_ADDRESS(Uint64Ref, keys);        /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
     STP_ADDRESS(UintRef, key_ids);       /* exact, packed, when ids are needed beside */
-    STP_ADDRESS(UintRef, counts);        /* exact: fragments a pixel */
+    STP_ADDRESS(UintRef, counts);        /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);       /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
     STP_ADDRESS(Uint64Ref, sums);        /* two-pass: STP_SUM_WORDS a pixel */
+    STP_ADDRESS(Vec4Ref, projected);     /* axis: 2 per splat of a list: centre, tau; colour */
+    STP_ADDRESS(Vec4Ref, axis_sums);     /* axis, compute: 2 a pixel and walk */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
@@ -141,6 +162,7 @@ struct stp_frame_constants {
     float pyramid_floor;             /* least radius on the screen, pixels */
     float pyramid_color;             /* colours are packed times this */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
+    STP_STRUCT(stp_axis_gpu) axis;
 };
 
 #ifndef GL_core_profile

@@ -41,6 +41,10 @@ static void outputs(struct stp_plan *plan)
 static void scene_resources(struct stp_plan *plan)
 {
     uint64_t n = plan->facts.splats;
+    if (plan->method == STP_METHOD_AXIS) {
+        plan_axis_resources(plan);
+        return;
+    }
     plan_resource(plan, "splats", PLAN_SPLATS, PLAN_SCENE, n * 32);
     if (plan->facts.has_color)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
@@ -85,7 +89,8 @@ static void eye_dome(struct stp_plan *plan)
 /* Behind all else, and also where no block was touched. */
 static void background(struct stp_plan *plan)
 {
-    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE)
+    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE ||
+        plan->method == STP_METHOD_AXIS)
         return;
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
@@ -104,7 +109,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     else
         scene_resources(plan);
     outputs(plan);
-    bool compute = plan->path == STP_PATH_COMPUTE;
+    bool axis = plan->method == STP_METHOD_AXIS;
+    bool compute = plan->path == STP_PATH_COMPUTE && !axis;
     if (compute && !pyramid)
         compute_resources(plan);
     if (compute)
@@ -114,6 +120,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         reset_arguments(plan);
     if (plan->method == STP_METHOD_DEFERRED)
         plan_deferred(plan);
+    else if (plan->method == STP_METHOD_AXIS)
+        plan_axis(plan);
     else if (plan->method == STP_METHOD_EXACT)
         plan_exact(plan);
     else if (pyramid)
