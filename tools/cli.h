@@ -69,7 +69,7 @@ struct settings {
     double exposure, least_psnr;
     unsigned repeat, threads, rounds;
     unsigned split; /* enum split */
-    bool half, quick, json, quiet, verbose, with_groups;
+    bool half, quick, json, quiet, verbose, with_groups, calibrate;
 };
 
 /* --- options.c: the one table, and its parser --------------------------------------------- */
@@ -196,9 +196,11 @@ bool camera_usage_right(const struct settings *settings);
 int find_camera(struct console *console, const struct settings *settings,
                 const struct stp_scene *scene, uint32_t frame, struct stp_camera *camera,
                 uint32_t *count);
-/* Groups the scene when the plan will want it. */
-int group_if_needed(struct console *console, const struct settings *settings,
-                    struct stp_scene *scene, const struct stp_limits *limits);
+/* Decides what the settings leave to auto, and groups the scene where that wants it. choice->params
+ * is what to plan with. */
+int choose_way(struct console *console, const struct settings *settings, struct stp_scene *scene,
+               const struct stp_camera *camera, const struct stp_limits *limits,
+               struct stp_choice *choice);
 
 /* --- context.c: making a context takes long enough to be worth a thread beside loading -------- */
 
@@ -216,6 +218,8 @@ void context_start(struct context_job *job, struct console *console,
                    const struct stp_context_params *params);
 /* Waits; logs a failure. */
 int context_finish(struct context_job *job, const struct stp_limits **limits);
+/* Only who asks for a bound waits for measurements. */
+int context_calibrate(struct context_job *job, const struct settings *settings);
 /* Safe for a job that was never started. */
 void context_close(struct context_job *job);
 

@@ -16,6 +16,7 @@ struct run {
     cJSON *stats; /* of each frame, an array; NULL without --stats */
     struct json_out building;
     struct stp_machines exchange;
+    bool ended;               /* all processes know that one has failed */
     bool shared;              /* every process has its share of the points */
     struct stp_camera camera; /* shared, without --camera: framed while the scene was whole */
 };
@@ -102,10 +103,15 @@ static int check_outputs(struct run *run)
     return EXIT_DONE;
 }
 
-/* The worst of all processes' status; of those that failed the first says why. */
+/* The worst of all processes' status; of those that failed the first says why. Whoever fails asks
+ * once more, at its next call, and so does everyone else at theirs; then nobody asks again. */
 static int together(struct run *run, int status)
 {
-    return run->exchange.count > 1 ? machines_agree(&run->exchange, &run->console, status) : status;
+    if (run->exchange.count > 1 && !run->ended) {
+        status = machines_agree(&run->exchange, &run->console, status);
+        run->ended = status != EXIT_DONE;
+    }
+    return status;
 }
 
 /* --- one frame ------------------------------------------------------------------------------- */
@@ -177,13 +183,14 @@ static int render_frame(struct run *run, struct frame *frame)
         stp_limits_lavapipe(&none); /* the reference plans without a device */
     const struct stp_limits *limits = run->limits ? run->limits : &none;
     double start = seconds_now();
-    int status = group_if_needed(&run->console, settings, run->scene, limits);
+    struct stp_choice choice;
+    int status = choose_way(&run->console, settings, run->scene, &frame->camera, limits, &choice);
     run->times.prepare += ms_since(start);
     if (status != EXIT_DONE)
         return status;
     const struct stp_env *env = &run->console.env;
     enum stp_result result =
-        stp_plan_create(env, run->scene, &frame->camera, &settings->render, limits, &frame->plan);
+        stp_plan_create(env, run->scene, &frame->camera, &choice.params, limits, &frame->plan);
     if (run->shared)
         return render_share(run, frame, result);
     if (result == STP_OK)
@@ -319,6 +326,8 @@ static int load(struct run *run)
         load_and_prepare(&run->console, settings, settings->files[0], &run->scene, &run->times);
     if (status == EXIT_DONE && on_device)
         status = context_finish(&run->job, &run->limits);
+    if (status == EXIT_DONE && run->limits && !run->shared)
+        status = context_calibrate(&run->job, settings);
     if (status == EXIT_DONE && run->shared)
         status = share_scene(run);
     return status;
@@ -360,6 +369,13 @@ static int join(struct run *run)
                         settings->render.path == STP_PATH_RASTER))
         return wrong_usage(settings->command, "several processes make one picture by --method "
                                               "two-pass --path compute only; or --split frames");
+    if (run->shared && run->settings->render.max_error > 0)
+        return wrong_usage(settings->command, "--max-error chooses among methods, of which several "
+                                              "processes have one; or --split frames");
+    if (run->shared) {
+        run->settings->render.method = STP_METHOD_TWO_PASS;
+        run->settings->render.path = STP_PATH_COMPUTE;
+    }
     return EXIT_DONE;
 }
 
