@@ -1,5 +1,6 @@
 /* stp_scene_load: a point file, or a scene .json of several. */
 #include <fcntl.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -84,6 +85,16 @@ static enum stp_result add_volume(const struct stp_env *env, struct stp_scene *s
 }
 
 /* A file's points into the scene. entry NULL: no transform. */
+/* What prepare makes colours of; the rest is the reader's. */
+static enum color_source color_source(const char *color_by)
+{
+    if (color_by && strcmp(color_by, "height") == 0)
+        return COLOR_BY_HEIGHT;
+    if (color_by && strcmp(color_by, "normal") == 0)
+        return COLOR_BY_NORMAL;
+    return COLOR_OF_CLOUD;
+}
+
 static enum stp_result add_points(const struct stp_env *env, struct stp_scene *scene,
                                   const char *path, const struct file_bytes *bytes,
                                   const struct stp_load_params *params,
@@ -104,6 +115,8 @@ static enum stp_result add_points(const struct stp_env *env, struct stp_scene *s
         cloud.up = params->up;
     result = scene_add_cloud(env, scene, &cloud, &object);
     cloud_release(&cloud);
+    if (result == STP_OK)
+        scene->objects[scene->object_count - 1].color_source = color_source(params->color_by);
     return result;
 }
 

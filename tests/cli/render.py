@@ -44,6 +44,27 @@ class Render(command.CommandTest):
         self.assertEqual(sorted(channels), sorted(CHANNELS + added))
         self.assertEqual(channels["id"], "32-bit unsigned")
 
+    def averages(self, name="out.exr"):
+        """{channel: its mean}, as oiiotool has it."""
+        run = subprocess.run(["oiiotool", "--stats", self.path(name)], capture_output=True,
+                             text=True, check=True)
+        values = re.search(r"Stats Avg: ([-\d. ]+)", run.stdout)[1].split()
+        names = re.search(r"channel list: ([^\n]+)", subprocess.run(
+            ["oiiotool", "--info", "-v", self.path(name)], capture_output=True, text=True,
+            check=True).stdout)[1].split(", ")
+        return dict(zip(names, map(float, values)))
+
+    def test_color_by(self):
+        """What has no colours of its own gets them from height or normal."""
+        means = {}
+        for by in ["rgb", "height", "normal"]:
+            self.done(*BASIC, "--color-by", by, "--aov", "albedo")
+            means[by] = self.averages()
+        self.assertEqual(means["rgb"]["albedo.R"], means["rgb"]["albedo.B"])
+        for by in ["height", "normal"]:
+            gap = abs(means[by]["albedo.R"] - means[by]["albedo.B"])
+            self.assertGreater(gap, 0.02, f"{by}: {means[by]}")
+
     def test_half(self):
         self.done(*BASIC, "--half", "--aov", "albedo,P")
         for name, kind in self.channels().items():
