@@ -2,7 +2,7 @@
 #ifndef STIPPLE_SCENE_H
 #define STIPPLE_SCENE_H
 
-#include <stipple/result.h>
+#include <stipple/volume.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -63,9 +63,11 @@ struct stp_load_params {
     double epsilon;
     float
         opacity; /* as in stp_object_params; in the place of what a scene .json says of an object */
+    struct stp_volume_params volume; /* of a volume */
 };
 
-/* Reads a point file (PLY, LAS, PCD, text, OFF, OBJ; gzip of any) or a scene .json (docs/scene.md).
+/* Reads a point file (PLY, LAS, PCD, text, OFF, OBJ), a volume (NIfTI, NRRD, MetaImage, INRIMAGE,
+ * raw; docs/volumes.md), gzip of any, or a scene .json (docs/scene.md).
  * The format is found from the content, not from the name. */
 STP_API enum stp_result stp_scene_load(const struct stp_env *env, const char *path,
                                        const struct stp_load_params *params,
@@ -76,6 +78,16 @@ STP_API enum stp_result stp_scene_create(const struct stp_env *env, struct stp_s
 STP_API enum stp_result stp_scene_add_points(const struct stp_env *env, struct stp_scene *scene,
                                              const struct stp_points *points,
                                              const struct stp_object_params *object);
+/* A scene holds points, or one volume. params may be NULL. */
+STP_API enum stp_result stp_scene_set_volume(const struct stp_env *env, struct stp_scene *scene,
+                                             const struct stp_volume *volume,
+                                             const struct stp_volume_params *params);
+/* Another transfer function (params->transfer_function, params->unshaded) for the scene's volume.
+ * Of a prepared scene the voxels are classified again; nothing is read again. On failure the scene
+ * is as it was. */
+STP_API enum stp_result stp_scene_set_transfer_function(const struct stp_env *env,
+                                                        struct stp_scene *scene,
+                                                        const struct stp_volume_params *params);
 /* At most STP_MAX_LIGHTS; count 0 restores the head light. */
 #define STP_MAX_LIGHTS 8
 STP_API enum stp_result stp_scene_set_lights(struct stp_scene *scene,
@@ -147,6 +159,7 @@ struct stp_facts {
     bool positional_lights;
     enum stp_up up; /* resolved */
     struct stp_grouping grouping;
+    struct stp_volume_facts volume;
     char format[32]; /* of the (first) file, "" when made in memory */
 };
 

@@ -9,6 +9,7 @@
 #include "prepare/merge.h"
 #include "prepare/object.h"
 #include "prepare/order.h"
+#include "prepare/volume.h"
 
 struct preparation {
     const struct stp_env *env;
@@ -143,5 +144,6 @@ enum stp_result stp_scene_prepare(const struct stp_env *env, struct stp_scene *s
             if (!(params->clip_box[axis] <= params->clip_box[axis + 3]))
                 return log_error(env, STP_ERROR_ARGUMENT,
                                  "the clip box is empty: x0 y0 z0 must be below x1 y1 z1");
-    return prepare_scene(env, scene, params ? params : &defaults);
+    return scene->volume ? prepare_volume(env, scene, params)
+                         : prepare_scene(env, scene, params ? params : &defaults);
 }

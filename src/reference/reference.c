@@ -5,6 +5,7 @@
 #include "base/thread.h"
 #include "reference/samples.h"
 #include "reference/tile.h"
+#include "reference/volume.h"
 
 #define DEFAULT_MIN_SPLAT 1.5 /* of stp_render_params */
 #define MAX_SAMPLES       65536
@@ -49,7 +50,7 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (!scene->prepared)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the scene must be prepared before it is rendered");
-    if (scene->splats.count == 0)
+    if (scene->splats.count == 0 && !scene->volume)
         return log_error(env, STP_ERROR_NO_POINTS, "the scene has no splats to render");
     if (params->samples > MAX_SAMPLES)
         return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", params->samples,
@@ -119,7 +120,8 @@ enum stp_result reference_render(const struct stp_env *env, const struct stp_sce
     if (result != STP_OK)
         return result;
     struct view view = view_of(scene, camera, params);
-    result = render(env, &view, &planes, params->background);
+    result = scene->volume ? medium_render(env, &view, &planes, params->background, LEAST_ALPHA)
+                           : render(env, &view, &planes, params->background);
     if (result == STP_OK)
         *image = made;
     else

@@ -43,8 +43,9 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
     const cJSON *points = cJSON_GetObjectItemCaseSensitive(json, "points");
     int read = STP_UP_AUTO;
     enum stp_result result =
-        json_check_object(root, json, "points lights camera camera_file up name comment");
-    if (result == STP_OK && !cJSON_IsArray(points))
+        json_check_object(root, json, "points volume lights camera camera_file up name comment");
+    bool none = !points && json_has(json, "volume");
+    if (result == STP_OK && !none && !cJSON_IsArray(points))
         result = json_error(root, "points", "an array of point files is needed");
     if (result == STP_OK)
         result = get_choice(root, json, "up", ups, &read);
@@ -55,8 +56,7 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
     return STP_OK;
 }
 
-/* The folder of the scene file, then `file`; or `file` alone when it is absolute. */
-static char *join(const char *scene_path, const char *file)
+char *scene_json_join(const char *scene_path, const char *file)
 {
     const char *slash = strrchr(scene_path, '/');
     size_t folder = file[0] == '/' || !slash ? 0 : (size_t)(slash + 1 - scene_path);
@@ -103,7 +103,7 @@ static enum stp_result get_color(const struct json_at *at, const cJSON *object, 
     return result;
 }
 
-static enum stp_result get_material(const struct json_at *at, const cJSON *item,
+enum stp_result scene_json_material(const struct json_at *at, const cJSON *item,
                                     struct stp_material *material)
 {
     struct stp_material read = SCENE_DEFAULT_MATERIAL;
@@ -162,7 +162,7 @@ static enum stp_result get_look(const struct json_at *at, const cJSON *item,
     enum stp_result result = STP_OK;
     if (material) {
         struct json_at below = json_below(at, "material", -1);
-        result = get_material(&below, material, &entry->material);
+        result = scene_json_material(&below, material, &entry->material);
     }
     if (result == STP_OK)
         result = get_positive(at, item, "epsilon", &p->epsilon);
@@ -206,7 +206,7 @@ enum stp_result scene_json_entry(const struct json_at *root, const cJSON *json, 
     }
     if (!file || !file[0])
         return json_error(&at, "file", "the path of a point file is needed");
-    entry->file = join(root->path, file);
+    entry->file = scene_json_join(root->path, file);
     return entry->file ? STP_OK : log_no_memory(root->env, strlen(file), root->path);
 }
 
@@ -260,7 +260,7 @@ static enum stp_result camera_of_file(const struct json_at *root, const char *fi
                                       struct camera_json *camera)
 {
     cJSON *json = NULL;
-    char *path = join(root->path, file);
+    char *path = scene_json_join(root->path, file);
     if (!path)
         return log_no_memory(root->env, strlen(file), root->path);
     enum stp_result result = json_read(root->env, path, &json);
