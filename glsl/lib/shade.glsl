@@ -1,5 +1,10 @@
 // Deferred shading, one for every method: averaged attributes in, the picture's channels out.
 
+// Which of the materials is the surface's.
+#ifndef SURFACE_OBJECT
+#define SURFACE_OBJECT(s) (floatBitsToUint(frame.splats.v[2 * splat_known(s.id) + 1].w) >> 8)
+#endif
+
 struct Surface {
     float weight;     // sum of weights
     vec3 normal;      // weighted sum, camera frame
@@ -80,7 +85,7 @@ Look surface_look(uvec2 p, bool hit, Surface s)
     look.depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
     MaterialData m = frame.materials.v[0];
     if (HAS_OBJECTS)
-        m = frame.materials.v[hit ? floatBitsToUint(frame.splats.v[2 * splat_known(s.id) + 1].w) >> 8 : 0];
+        m = frame.materials.v[hit ? SURFACE_OBJECT(s) : 0];
     look.albedo = m.albedo;
     if (HAS_COLOR)
         look.albedo = vanished ? frame.colors.v[hit ? splat_known(s.id) : 0] : s.albedo / s.weight;
