@@ -277,6 +277,10 @@ struct stp_plan {
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
 };
 
+/* plan/plan.c: can these be planned with at all? Logs why not. */
+enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *scene,
+                           const struct stp_camera *camera, const struct stp_render_params *params);
+
 /* plan/choose.c: method, path, payload, voronoi and why. */
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
 

@@ -181,7 +181,8 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
     pass->offset = STP_WORK_BLOCKS * 4;
     splat_reads(plan, pass);
     plan_updates(plan, pass, PLAN_WORK);
-    updates_all(plan, pass, read);
+    for (; *read != PLAN_SLOTS; read++)
+        plan_reads(plan, pass, *read);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
         if (plan_samples(plan) > 1)
             plan_updates(plan, pass, slot);

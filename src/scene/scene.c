@@ -12,6 +12,12 @@
 static const struct stp_material default_material = SCENE_DEFAULT_MATERIAL;
 static const struct stp_light head_light = { .at_eye = true, .color = { 1, 1, 1 } };
 
+void cover_groups_release(struct cover_groups *groups)
+{
+    mem_free(groups->node);
+    *groups = (struct cover_groups){ 0 };
+}
+
 void splats_release(struct splats *splats)
 {
     mem_free(splats->position);
@@ -46,6 +52,7 @@ void stp_scene_destroy(struct stp_scene **scene)
         cloud_release(&(*scene)->objects[i].cloud);
     mem_free((*scene)->objects);
     splats_release(&(*scene)->splats);
+    cover_groups_release(&(*scene)->cover);
     volume_release(&(*scene)->volume);
     mem_free(*scene);
     *scene = NULL;

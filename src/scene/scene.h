@@ -42,7 +42,8 @@ struct stp_scene {
     bool camera_intrinsics; /* a new size scales them; else the field of view stays */
     struct stp_camera camera;
     struct splats splats;
-    struct volume *volume; /* NULL: none; then there are no splats */
+    struct cover_groups cover; /* after stp_scene_cover */
+    struct volume *volume;     /* NULL: none; then there are no splats */
     struct stp_facts facts;
     double core[6]; /* set by prepare, min x y z max x y z: splats whose centres are outside are
                        outliers that automatic framing leaves out */
