@@ -21,5 +21,6 @@
 #include <stipple/render.h>
 #include <stipple/compare.h>
 #include <stipple/report.h>
+#include <stipple/machines.h>
 
 #endif
