@@ -24,31 +24,6 @@
 #endif
 
 /* Pixels live in blocks of BLOCK x BLOCK: a splat touches few pages, a workgroup takes a block. */
-<<<<<<< HEAD
-#define STP_BLOCK        8
-#define STP_GROUP        64    /* threads of a workgroup */
-#define STP_LARGE_AREA   1024  /* pixels of bounds above which a splat takes a workgroup */
-#define STP_LARGE_GROUP  128
-#define STP_ROW          32768u /* workgroups along x; more go along y */
-#define STP_SLOTS        64    /* fragments a pixel that `exact` keeps before its second way */
-#define STP_SUM_WORDS    10    /* 64-bit words of a pixel's fixed-point sums */
-#define STP_LIGHTS       8
-#define STP_NO_ID        0xffffffffu
-#define STP_ID_WORDS     4     /* of out_id a pixel, with several samples; else 2; layers apart */
-/* Of a splat's tag: group, flags, object. */
-#define STP_TAG_GROUP     63u
-#define STP_TAG_INVISIBLE 64u  /* opacity 0: it has no fragments */
-#define STP_TAG_OPAQUE    128u /* opacity 1, in a scene that is transparent elsewhere */
-#define STP_NO_NORMAL    0x80008000u /* of a point: no octahedral normal is packed to this */
-#define STP_NO_POINT     0x7fffffffu /* key words of a pixel that no point fell into; positive ints */
-#define STP_RIM_DEPTH    0x7f800001u /* then, of one that the push left empty: farther than all */
-#define STP_RIM_NONE     0x7ffffffeu
-#define STP_RIM          0x60000000u /* added to the pixel whose point reaches one from outside */
-#define STP_RIM_REACH    255         /* pixels: as far as such a point is looked for */
-#define STP_POINT_RUN    512  /* points that a workgroup projects */
-#define STP_LEVELS       16   /* of a pyramid, at most */
-#define STP_BLOCK_LEVEL  3    /* whose texels are blocks */
-=======
 #define STP_BLOCK       8
 #define STP_GROUP       64   /* threads of a workgroup */
 #define STP_LARGE_AREA  1024 /* pixels of bounds above which a splat takes a workgroup */
@@ -58,6 +33,10 @@
 #define STP_SUM_WORDS   10     /* 64-bit words of a pixel's fixed-point sums */
 #define STP_LIGHTS      8
 #define STP_NO_ID       0xffffffffu
+/* Of a splat's tag: group, flags, object. */
+#define STP_TAG_GROUP     63u
+#define STP_TAG_INVISIBLE 64u  /* opacity 0: it has no fragments */
+#define STP_TAG_OPAQUE    128u /* opacity 1, in a scene that is transparent elsewhere */
 #define STP_NO_NORMAL   0x80008000u /* of a point: no octahedral normal is packed to this */
 #define STP_NO_POINT    0x7fffffffu /* key words of a pixel that no point fell into; positive ints */
 #define STP_RIM_DEPTH   0x7f800001u /* then, of one that the push left empty: farther than all */
@@ -67,21 +46,17 @@
 #define STP_POINT_RUN   512         /* points that a workgroup projects */
 #define STP_LEVELS      16          /* of a pyramid, at most */
 #define STP_BLOCK_LEVEL 3           /* whose texels are blocks */
->>>>>>> main
 /* Descriptor bindings of what is fetched as texels; the order is enum plan_slot's. */
 #define STP_BINDING_PYRAMID    6
 #define STP_BINDING_ATTRIBUTES 7
 #define STP_BINDING_POINTS     8
 #define STP_BINDING_RADII      9
-<<<<<<< HEAD
-=======
 #define STP_AXIS_PART          60000u /* entries of a block's list that one pass takes */
 #define STP_AXIS_MERGE_BLEND   0
 #define STP_AXIS_MERGE_CLIP    1
 #define STP_BINDING_AXIS_COLOR 10
 #define STP_BINDING_AXIS_DEPTH 11
-#define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2 */
->>>>>>> main
+#define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
 #define STP_SUMS_NONE 0x7f8000007ffffffful
@@ -96,20 +71,12 @@
 #define STP_WORK_REPAIR        8  /* x y z count of small splats that touch an overflowed block */
 #define STP_WORK_REPAIR_L      12
 #define STP_WORK_REPAIR_BLOCKS 16 /* x y z: the touched blocks again; else 0 */
-<<<<<<< HEAD
-#define STP_WORK_COLLECT  20 /* x y z: all splats, to find those; else 0 */
-#define STP_WORK_OVERFLOW 24 /* not 0: a pixel's slots overflowed */
-#define STP_WORK_REMAINING 25 /* not 0: rays that are being mended have layers left */
-#define STP_WORK_FLAGS    32 /* a word a block */
-#define STP_BLOCK_TOUCHED    1u
-#define STP_BLOCK_OVERFLOWED 2u
-=======
 #define STP_WORK_COLLECT       20 /* x y z: all splats, to find those; else 0 */
 #define STP_WORK_OVERFLOW      24 /* not 0: a pixel's slots overflowed */
+#define STP_WORK_REMAINING     25 /* not 0: rays that are being mended have layers left */
 #define STP_WORK_FLAGS         32 /* a word a block */
 #define STP_BLOCK_TOUCHED      1u
 #define STP_BLOCK_OVERFLOWED   2u
->>>>>>> main
 
 struct stp_light_gpu {
     float position[3]; /* camera frame: a point, or the unit direction towards the light */
@@ -159,13 +126,8 @@ struct stp_frame_constants {
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
     STP_ADDRESS(Vec4Ref, out_albedo); /* rgb, sum of weights */
-<<<<<<< HEAD
     STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; nearest sample, hits; layers */
-    STP_DOUBLE rotation64[9]; /* WITH_FLOAT64: centres are projected in double */
-=======
-    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; then the nearest sample, hits */
     STP_DOUBLE rotation64[9];         /* WITH_FLOAT64: centres are projected in double */
->>>>>>> main
     STP_DOUBLE translation64[3];
     STP_DOUBLE eye64[3]; /* relative to the origin; orthographic: the direction of sight */
     STP_DOUBLE focal64[2];

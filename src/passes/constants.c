@@ -27,13 +27,8 @@ SLOT_OFFSET(out_depth, PLAN_OUT_DEPTH);
 SLOT_OFFSET(out_albedo, PLAN_OUT_ALBEDO);
 SLOT_OFFSET(out_id, PLAN_OUT_ID);
 /* Scalar layout: nothing is padded before the lights. */
-<<<<<<< HEAD
 _Static_assert(offsetof(struct stp_frame_constants, rotation64) == 8 * PLAN_BUFFER_SLOTS &&
-                   offsetof(struct stp_frame_constants, rotation) == 8 * PLAN_BUFFER_SLOTS + 128,
-=======
-_Static_assert(offsetof(struct stp_frame_constants, rotation64) == 160 &&
-                   offsetof(struct stp_frame_constants, rotation) == 312,
->>>>>>> main
+                   offsetof(struct stp_frame_constants, rotation) == 8 * PLAN_BUFFER_SLOTS + 152,
                "rotation");
 _Static_assert(offsetof(struct stp_frame_constants, lights) ==
                    offsetof(struct stp_frame_constants, pyramid_color) + 4,

@@ -38,16 +38,13 @@ enum plan_constant {
     PLAN_FLOAT64,
     PLAN_SAMPLE_GRID,
     PLAN_LANES,
-<<<<<<< HEAD
-    PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
-    PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
-=======
     PLAN_AXIS_WALKS,
     PLAN_AXIS_CUT,
     PLAN_UNLIT,
     PLAN_AXIS_WALK, /* of a pass */
     PLAN_AXIS_PART,
->>>>>>> main
+    PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
+    PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_CONSTANTS
 };
 

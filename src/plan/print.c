@@ -11,19 +11,11 @@ static const char *const format_names[] = { "buffer",        "R32G32_UINT",
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {
-<<<<<<< HEAD
-    "groups",          "voronoi",     "packed",       "gauss",      "two_sided",
-    "cull_back",       "floor",       "orthographic", "color",      "objects",
-    "unknown_normals", "head_light",  "local_viewer", "background", "aovs",
-    "squarings",       "repair",      "slot_ids",     "atomic64",   "layered",
-    "float64",         "sample_grid", "lanes",        "opacity",    "mixed",
-=======
     "groups",       "voronoi",      "packed",    "gauss",       "two_sided",       "cull_back",
     "floor",        "orthographic", "color",     "objects",     "unknown_normals", "head_light",
     "local_viewer", "background",   "aovs",      "squarings",   "repair",          "slot_ids",
     "atomic64",     "layered",      "float64",   "sample_grid", "lanes",           "axis_walks",
-    "axis_cut",     "unlit",        "axis_walk", "axis_part",
->>>>>>> main
+    "axis_cut",     "unlit",        "axis_walk", "axis_part",   "opacity",         "mixed",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)

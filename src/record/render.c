@@ -56,7 +56,6 @@ static enum stp_result add_timestamps(const struct stp_env *env, struct record_f
     return STP_OK;
 }
 
-<<<<<<< HEAD
 /* Has the part that ran last left rays unfinished? */
 static enum stp_result read_remaining(const struct stp_env *env, struct record_frame *frame,
                                       bool *remaining)
@@ -75,7 +74,8 @@ static enum stp_result read_remaining(const struct stp_env *env, struct record_f
         return gpu_error(env, status, "vkInvalidateMappedMemoryRanges");
     *remaining = *(const uint32_t *)frame->remaining.mapped != 0;
     return STP_OK;
-=======
+}
+
 /* The exchange that comes after a part, where there is one; collective. */
 static enum stp_result exchange(const struct stp_env *env, struct record_frame *frame,
                                 const struct stp_scene *scene, uint32_t part, double *pass_ms,
@@ -90,7 +90,6 @@ static enum stp_result exchange(const struct stp_env *env, struct record_frame *
     if (pass_ms)
         pass_ms[steps.exchange] += now_ms() - start;
     return result;
->>>>>>> main
 }
 
 /* All parts of a tile; adds the passes' times where pass_ms is not NULL. */
@@ -110,14 +109,11 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
         result = run_part(env, frame, tile, part, pass_ms != NULL);
         if (result == STP_OK && pass_ms)
             result = add_timestamps(env, frame, part, pass_ms);
-<<<<<<< HEAD
+        if (frame->share)
+            result = exchange(env, frame, scene, part, pass_ms, result);
         if (result == STP_OK)
             result = read_remaining(env, frame, &remaining);
         part += !loops;
-=======
-        if (frame->share)
-            result = exchange(env, frame, scene, part, pass_ms, result);
->>>>>>> main
     }
     return result;
 }

@@ -251,20 +251,19 @@ static struct record_steps steps_between(const struct stp_plan *plan, uint32_t p
 
 uint32_t record_parts(const struct stp_plan *plan)
 {
-<<<<<<< HEAD
     if (plan->loop_first)
         return 2 * plan_samples(plan) + 1;
-=======
     uint32_t count = exchanges(plan);
     if (count)
         return plan_samples(plan) * (count + 1);
->>>>>>> main
     return (plan_samples(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
 }
 
 static struct record_steps looping_steps(const struct stp_plan *plan, uint32_t part)
 {
-    struct record_steps steps = { .plan = plan, .first_sample = part / 2 };
+    struct record_steps steps = { .plan = plan,
+                                  .first_sample = part / 2,
+                                  .exchange = RECORD_NO_PASS };
     steps.last = part == 2 * plan_samples(plan);
     steps.loops = part % 2 == 1;
     steps.before = part == 0 ? plan->repeat_first : 0;
@@ -279,14 +278,11 @@ static struct record_steps looping_steps(const struct stp_plan *plan, uint32_t p
 
 struct record_steps record_steps(const struct stp_plan *plan, uint32_t part)
 {
-<<<<<<< HEAD
     if (plan->loop_first)
         return looping_steps(plan, part);
-=======
     uint32_t count = exchanges(plan);
     if (count)
         return steps_between(plan, part, count);
->>>>>>> main
     uint32_t first = part * RECORD_SAMPLES, left = plan_samples(plan) - first;
     struct record_steps steps = { .plan = plan, .first_sample = first, .exchange = RECORD_NO_PASS };
     uint32_t samples = left < RECORD_SAMPLES ? left : RECORD_SAMPLES;
@@ -339,13 +335,8 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
         if (timed)
             stamp(frame, commands, i + 1);
     }
-<<<<<<< HEAD
     if (plan->loop_first && !frame->pipelines->host)
         copy_remaining(frame, commands);
-    if (steps.last && !frame->pipelines->host)
-        finish(frame, commands);
-=======
     if ((steps.last || steps.exchange != RECORD_NO_PASS) && !frame->pipelines->host)
         finish(frame, commands, steps.last);
->>>>>>> main
 }
