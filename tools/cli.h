@@ -135,6 +135,7 @@ bool value_view(const struct option_spec *spec, const char *text, void *target);
 bool value_clip_box(const struct option_spec *spec, const char *text, void *target);
 bool value_volume_dims(const struct option_spec *spec, const char *text, void *target);
 bool value_volume_spacing(const struct option_spec *spec, const char *text, void *target);
+bool value_axis_h(const struct option_spec *spec, const char *text, void *target); /* double */
 bool value_background(const struct option_spec *spec, const char *text, void *target);
 bool value_frames(const struct option_spec *spec, const char *text, void *target);
 bool value_opacity(const struct option_spec *spec, const char *text, void *target);

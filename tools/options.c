@@ -170,11 +170,11 @@ const struct option_spec option_table[] = {
       "highlights seen from the eye's place (default: from its direction, one for the picture)",
       value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },
 
-    { "Method", PICTURE, "method", 0, "auto|deferred|two-pass|exact|reference|pyramid",
+    { "Method", PICTURE, "method", 0, "auto|deferred|two-pass|exact|reference|pyramid|axis",
       "deferred: groups blended in one pass; two-pass: visibility, then blending; exact: every "
       "fragment kept and resolved; pyramid: one pixel a point, then pull and push, for clouds of "
-      "many millions; reference: float64 on the CPU, slow, needs no Vulkan (default: "
-      "auto, the fastest within --max-error)",
+      "many millions; reference: float64 on the CPU, slow, needs no Vulkan; axis: volumes, by "
+      "sorted axis lists (default: auto, of a volume axis, else the fastest within --max-error)",
       value_choice, AT(render.method), NULL, 0, 0, NULL },
     { NULL, PICTURE, "transparency", 0, "auto|fast|nearest|peel|exact|reference",
       "how layers behind each other are composited where something is transparent. exact: every "
@@ -218,6 +218,16 @@ const struct option_spec option_table[] = {
       "what the device has)",
       value_bytes, AT(render.memory_limit), "a whole number above 0, K, M or G may follow", 0, 0,
       NULL },
+
+    { NULL, PICTURE, "axis-merge", 0, "blend|clip|single|sort",
+      "axis: which list serves a pixel; blend: those whose axes are nearly dominant on its ray, "
+      "clip: the dominant one's, single: one for the picture, sort: one by distance from the eye "
+      "(default: blend)",
+      value_choice, AT(render.axis_merge), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "axis-h", 0, "H",
+      "axis, blend: the share of the dominant component of a ray above which another axis's list "
+      "is blended in (default: 0.85)",
+      value_axis_h, AT(render.axis_h), "a number from 0 and below 1", 0, 1, NULL },
 
     { "Device", RENDER | DEVICES | REPORT, "device", 0, "SUBSTRING",
       "the device whose name holds this (default: a GPU before a software device)",

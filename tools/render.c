@@ -183,8 +183,10 @@ static int render_frame(struct run *run, struct frame *frame)
         stp_limits_lavapipe(&none); /* the reference plans without a device */
     const struct stp_limits *limits = run->limits ? run->limits : &none;
     double start = seconds_now();
-    struct stp_choice choice;
-    int status = choose_way(&run->console, settings, run->scene, &frame->camera, limits, &choice);
+    struct stp_choice choice = { .params = settings->render };
+    int status = EXIT_DONE;
+    if (!run->shared) /* several processes have but one way */
+        status = choose_way(&run->console, settings, run->scene, &frame->camera, limits, &choice);
     run->times.prepare += ms_since(start);
     if (status != EXIT_DONE)
         return status;

@@ -8,7 +8,7 @@
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
 
-const float WEIGHT_UNIT = 4095.0, PART_UNIT = 4096.0; // 12 + 12 bits, 64 fragments: below 2^31
+const float UNIT = 16777216.0, COLOR_UNIT = 4096.0; // 64 fragments: below 2^31, and 2^63
 
 struct Sums {
     int weight, depth;
@@ -18,12 +18,12 @@ struct Sums {
 
 void sums_add(inout Sums s, float w, vec3 normal, float above, uint id)
 {
-    float q = round(w * WEIGHT_UNIT), part = q * PART_UNIT;
-    s.weight += int(q);
+    float part = w * UNIT;
+    s.weight += int(round(part));
     s.normal += ivec3(round(normal * part));
     s.depth += int(round(above * part));
     if (HAS_COLOR)
-        s.albedo += i64vec3(round(frame.colors.v[id] * (q * frame.color_scale)));
+        s.albedo += i64vec3(round(frame.colors.v[id] * (w * COLOR_UNIT * frame.color_scale)));
 }
 
 // In quantised steps when packed.
@@ -102,10 +102,10 @@ void main()
     for (uint i = KEPT; i < count; i++)
         take(sums, s, true, slot_index(pixel, i), frame.keys.v[slot_index(pixel, i)], near, epsilon, p);
     float weight = float(sums.weight);
-    s.weight = weight / WEIGHT_UNIT;
-    s.normal = vec3(sums.normal) / (WEIGHT_UNIT * PART_UNIT);
+    s.weight = weight / UNIT;
+    s.normal = vec3(sums.normal) / UNIT;
     s.near_depth = PACKED ? depth_restore(uint(near)) : near;
-    s.depth = s.near_depth + float(sums.depth) / (weight * PART_UNIT) * (epsilon / unit);
-    s.albedo = vec3(sums.albedo) / (WEIGHT_UNIT * frame.color_scale);
+    s.depth = s.near_depth + float(sums.depth) / weight * (epsilon / unit);
+    s.albedo = vec3(sums.albedo) / (COLOR_UNIT * frame.color_scale);
     surface_write(p, hit, s);
 }

@@ -36,8 +36,7 @@ STP_API enum stp_result stp_scene_share(const struct stp_env *env, struct stp_sc
  * the bits that stp_render gives for the whole scene, and NULL elsewhere. A process that fails
  * logs its line and makes all others return its result, silently. */
 STP_API enum stp_result stp_render_share(const struct stp_env *env, struct stp_context *context,
-                                         const struct stp_scene *scene,
-                                         const struct stp_plan *plan,
+                                         const struct stp_scene *scene, const struct stp_plan *plan,
                                          const struct stp_machines *machines, unsigned repeat,
                                          struct stp_image **image, struct stp_render_stats *stats);
 

@@ -25,6 +25,11 @@ static void transform(struct stp_plan *plan)
     f->translation64[0] = t.x;
     f->translation64[1] = -t.y;
     f->translation64[2] = -t.z;
+    for (int i = 0; i < 3; i++) {
+        double back = -(m[i] * t.x + m[4 + i] * t.y + m[8 + i] * t.z);
+        f->eye64[i] = camera->orthographic ? -m[8 + i] : back;
+        f->eye[i] = (float)f->eye64[i];
+    }
     f->focal64[0] = camera->fx;
     f->focal64[1] = camera->fy;
     f->center64[0] = camera->cx;

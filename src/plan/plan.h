@@ -5,6 +5,7 @@
 
 #include <stipple/plan.h>
 
+#include "prepare/axis_blocks.h"
 #include "shared/frame.h"
 
 #define PLAN_MAX_RESOURCES 32
@@ -37,6 +38,11 @@ enum plan_constant {
     PLAN_FLOAT64,
     PLAN_SAMPLE_GRID,
     PLAN_LANES,
+    PLAN_AXIS_WALKS,
+    PLAN_AXIS_CUT,
+    PLAN_UNLIT,
+    PLAN_AXIS_WALK, /* of a pass */
+    PLAN_AXIS_PART,
     PLAN_CONSTANTS
 };
 
@@ -55,6 +61,8 @@ enum plan_slot {
     PLAN_COUNTS,
     PLAN_NEAREST,
     PLAN_SUMS,
+    PLAN_PROJECTED,
+    PLAN_AXIS_SUMS,
     PLAN_OUT_COLOR,
     PLAN_OUT_NORMAL,
     PLAN_OUT_DEPTH,
@@ -70,6 +78,8 @@ enum plan_slot {
     PLAN_IMAGE_ATTRIBUTES,
     PLAN_TEXEL_POINTS,
     PLAN_TEXEL_RADII,
+    PLAN_IMAGE_AXIS_COLOR,
+    PLAN_IMAGE_AXIS_DEPTH,
     PLAN_SLOTS
 };
 
@@ -158,6 +168,13 @@ enum plan_shader {
     PLAN_SHADER_PYRAMID_RIM_SHADE,
     PLAN_SHADER_PYRAMID_RIM_SHADE_COLOR,
     PLAN_SHADER_PYRAMID_RIM_SHADE_ALL,
+    PLAN_SHADER_AXIS_PROJECT,
+    PLAN_SHADER_AXIS_VERTEX,
+    PLAN_SHADER_AXIS_FRAGMENT,
+    PLAN_SHADER_AXIS_BLOCK,
+    PLAN_SHADER_AXIS_MERGE,
+    PLAN_SHADER_AXIS_MERGE_SUMS,
+    PLAN_SHADER_AXIS_EMPTY,
     PLAN_SHADER_EYE_DOME,
     PLAN_SHADER_BACKGROUND,
     PLAN_SHADER_RASTER_VERTEX,
@@ -196,6 +213,7 @@ struct plan_access {
 enum plan_raster {
     PLAN_RASTER_WINNER, /* depth test and write, ids out */
     PLAN_RASTER_BLEND,  /* additive, no depth */
+    PLAN_RASTER_OVER,   /* premultiplied, over what is there, no depth */
 };
 
 enum plan_exchange {
@@ -216,7 +234,8 @@ struct plan_pass {
     uint32_t level;                    /* pyramid: the level that is written */
     bool of_grid;                      /* DISPATCH: one a block of that level of the tile's grid */
     bool repair;                       /* specialised with PLAN_REPAIR on */
-    uint32_t layer, layer_count;       /* DRAW: of the attachments */
+    uint32_t layer, layer_count;       /* DRAW: of the attachments; axis: the walk */
+    uint32_t part;                     /* axis: of a walk's lists */
     uint32_t first_splat, splat_count; /* DRAW */
     uint8_t access_count;
     struct plan_access access[PLAN_MAX_ACCESSES];
@@ -268,6 +287,8 @@ struct stp_plan {
     struct plan_grid grid;            /* of the whole picture */
     bool rim_far;                     /* discs reach beyond the pixels beside their own */
     struct plan_tile *tile;
+    struct axis_lists axis;                   /* of the axis method; owned */
+    struct axis_blocks axis_blocks;           /* by compute */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
 };
 
@@ -277,6 +298,8 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
 
 /* plan/choose.c: method, path, payload, voronoi and why. */
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
+/* The reference in place of what was chosen: the device cannot hold the scene. */
+void plan_leave_device(struct stp_plan *plan);
 
 /* plan/steps.c: what the methods' files share. */
 uint8_t plan_resource(struct stp_plan *plan, const char *name, enum plan_slot slot,
@@ -314,6 +337,14 @@ void plan_exchange(struct stp_plan *plan, enum plan_exchange exchange, const cha
 void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
+void plan_axis(struct stp_plan *plan);
+
+/* Their kernels, and by compute the blocks that they touch. */
+void plan_axis_resources(struct stp_plan *plan);
+
+/* plan/axis.c: the lists of the view, and what shaders need to know of the kernels. */
+enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,
+                                  const struct stp_scene *scene);
 
 /* plan/pyramid.c: what a pyramid of the plan's scene and view stands on, and what one tile's does.
  * A pixel that the tile keeps has the same bits in both. */

@@ -11,10 +11,11 @@ static const char *const format_names[] = { "buffer",        "R32G32_UINT",
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {
-    "groups",       "voronoi",      "packed",  "gauss",       "two_sided",       "cull_back",
-    "floor",        "orthographic", "color",   "objects",     "unknown_normals", "head_light",
-    "local_viewer", "background",   "aovs",    "squarings",   "repair",          "slot_ids",
-    "atomic64",     "layered",      "float64", "sample_grid", "lanes",
+    "groups",       "voronoi",      "packed",    "gauss",       "two_sided",       "cull_back",
+    "floor",        "orthographic", "color",     "objects",     "unknown_normals", "head_light",
+    "local_viewer", "background",   "aovs",      "squarings",   "repair",          "slot_ids",
+    "atomic64",     "layered",      "float64",   "sample_grid", "lanes",           "axis_walks",
+    "axis_cut",     "unlit",        "axis_walk", "axis_part",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)
@@ -59,6 +60,20 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
     }
 }
 
+static void print_lists(FILE *out, const struct stp_plan *plan)
+{
+    static const char *const merges[] = { "blend", "clip", "single", "sort" };
+    const struct axis_lists *lists = &plan->axis;
+    fprintf(out, "lists: %s", merges[lists->merge]);
+    if (lists->merge == STP_AXIS_BLEND)
+        fprintf(out, ", h %.4g", lists->h);
+    fprintf(out, ", %zu kernels seen, %zu splats drawn\n", lists->visible, lists->count);
+    for (unsigned i = 0; i < lists->walk_count; i++)
+        fprintf(out, "  rays along %c%c: %u splats, far to near\n",
+                lists->walk[i].backwards ? '-' : '+', "xyz"[lists->walk[i].axis],
+                lists -> walk[i].count);
+}
+
 static void print(FILE *out, const struct stp_plan *plan)
 {
     fprintf(out, "method %s, path %s, %zu splats, %u x %u pixels\n", stp_method_name(plan->method),
@@ -74,6 +89,8 @@ static void print(FILE *out, const struct stp_plan *plan)
     fprintf(out, "why: %s\n", plan->why);
     if (plan->method == STP_METHOD_REFERENCE)
         return;
+    if (plan->method == STP_METHOD_AXIS)
+        print_lists(out, plan);
     fprintf(out, "constants:");
     for (int i = 0; i < PLAN_CONSTANTS; i++)
         if (plan->constant[i])

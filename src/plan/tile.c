@@ -40,6 +40,10 @@ static void outputs(struct stp_plan *plan)
 
 static void scene_resources(struct stp_plan *plan)
 {
+    if (plan->method == STP_METHOD_AXIS) {
+        plan_axis_resources(plan);
+        return;
+    }
     uint64_t n = plan_splats(plan) + plan_ghosts(plan);
     plan_resource(plan, "splats", PLAN_SPLATS, PLAN_SCENE, n * 32);
     if (plan->facts.has_color)
@@ -85,7 +89,8 @@ static void eye_dome(struct stp_plan *plan)
 /* Behind all else, and also where no block was touched. */
 static void background(struct stp_plan *plan)
 {
-    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE)
+    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE ||
+        plan->method == STP_METHOD_AXIS)
         return;
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
@@ -105,7 +110,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         scene_resources(plan);
     if (plan_is_root(plan))
         outputs(plan);
-    bool compute = plan->path == STP_PATH_COMPUTE;
+    bool axis = plan->method == STP_METHOD_AXIS;
+    bool compute = plan->path == STP_PATH_COMPUTE && !axis;
     if (compute && !pyramid)
         compute_resources(plan);
     if (compute)
@@ -115,6 +121,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         reset_arguments(plan);
     if (plan->method == STP_METHOD_DEFERRED)
         plan_deferred(plan);
+    else if (plan->method == STP_METHOD_AXIS)
+        plan_axis(plan);
     else if (plan->method == STP_METHOD_EXACT)
         plan_exact(plan);
     else if (pyramid)
@@ -206,6 +214,36 @@ static enum stp_result lay_out(const struct stp_env *env, struct stp_plan *plan)
     return STP_OK;
 }
 
+/* What grows with the splats and not with the tile: no tile is small enough for too much of it. */
+static bool scene_too_large(const struct stp_plan *plan)
+{
+    uint64_t bytes = 0, most = 0;
+    for (uint32_t i = 0; i < plan->resource_count; i++) {
+        const struct plan_resource *r = &plan->resource[i];
+        if (r->lifetime != PLAN_SCENE && r->slot != PLAN_LARGE)
+            continue;
+        bytes += r->bytes;
+        most = r->bytes > most ? r->bytes : most;
+    }
+    return bytes > plan->limits.heap_bytes / 8 * 7 || most > plan->limits.max_allocation;
+}
+
+/* A scene that the device cannot hold is still rendered where no method was asked for. */
+static enum stp_result leave_device(const struct stp_env *env, struct stp_plan *plan)
+{
+    unsigned long long scene = plan_bytes(plan, PLAN_SCENE), heap = plan->limits.heap_bytes;
+    unsigned long long once = plan->limits.max_allocation;
+    if (plan->params.method != STP_METHOD_AUTO)
+        return log_error(
+            env, STP_ERROR_DEVICE_MEMORY,
+            "the device has %llu bytes, at most %llu in one buffer, and the scene takes "
+            "%llu; --method reference renders it on the CPU",
+            heap, once, scene);
+    plan->resource_count = plan->pass_count = 0;
+    plan_leave_device(plan);
+    return STP_OK;
+}
+
 /* Bytes that transients and outputs may take beside the scene. */
 static uint64_t room(const struct stp_plan *plan)
 {
@@ -219,6 +257,8 @@ static enum stp_result cut_picture(const struct stp_env *env, struct stp_plan *p
 {
     uint32_t w = plan->camera.width, h = plan->camera.height, columns = 1, rows = 1;
     steps(plan, w, h);
+    if (scene_too_large(plan))
+        return leave_device(env, plan);
     while (!fits(plan, room(plan))) {
         uint32_t least = STP_BLOCK + 2 * margin(plan);
         if (plan->tile_width <= least && plan->tile_height <= least &&
@@ -252,7 +292,7 @@ enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
     }
     enum stp_result result = cut_picture(env, plan);
     plan->share = own;
-    if (result != STP_OK)
+    if (result != STP_OK || plan->method == STP_METHOD_REFERENCE)
         return result;
     if (own.count)
         steps(plan, plan->tile_width, plan->tile_height);
