@@ -219,6 +219,8 @@ void context_start(struct context_job *job, struct console *console,
                    const struct stp_context_params *params);
 /* Waits; logs a failure. */
 int context_finish(struct context_job *job, const struct stp_limits **limits);
+/* Only who asks for a bound waits for measurements. */
+int context_calibrate(struct context_job *job, const struct settings *settings);
 /* Safe for a job that was never started. */
 void context_close(struct context_job *job);
 

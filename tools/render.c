@@ -16,6 +16,7 @@ struct run {
     cJSON *stats; /* of each frame, an array; NULL without --stats */
     struct json_out building;
     struct stp_machines exchange;
+    bool ended;               /* all processes know that one has failed */
     bool shared;              /* every process has its share of the points */
     struct stp_camera camera; /* shared, without --camera: framed while the scene was whole */
 };
@@ -102,10 +103,15 @@ static int check_outputs(struct run *run)
     return EXIT_DONE;
 }
 
-/* The worst of all processes' status; of those that failed the first says why. */
+/* The worst of all processes' status; of those that failed the first says why. Whoever fails asks
+ * once more, at its next call, and so does everyone else at theirs; then nobody asks again. */
 static int together(struct run *run, int status)
 {
-    return run->exchange.count > 1 ? machines_agree(&run->exchange, &run->console, status) : status;
+    if (run->exchange.count > 1 && !run->ended) {
+        status = machines_agree(&run->exchange, &run->console, status);
+        run->ended = status != EXIT_DONE;
+    }
+    return status;
 }
 
 /* --- one frame ------------------------------------------------------------------------------- */
@@ -282,18 +288,6 @@ static int write_stats(struct run *run)
     return done ? EXIT_DONE : EXIT_FAILED;
 }
 
-/* Only who asks for a bound waits for measurements. */
-static int calibrate(struct run *run)
-{
-    const struct settings *settings = run->settings;
-    struct stp_calibrate_params params = {
-        .again = settings->calibrate,
-        .only_cached = !settings->calibrate && !(settings->render.max_error > 0),
-    };
-    enum stp_result result = stp_calibrate(&run->console.env, run->job.context, &params);
-    return result == STP_OK ? EXIT_DONE : EXIT_FAILED;
-}
-
 /* Frames what is to be framed, then keeps this process's share. */
 static int share_scene(struct run *run)
 {
@@ -334,10 +328,10 @@ static int load(struct run *run)
         load_and_prepare(&run->console, settings, settings->files[0], &run->scene, &run->times);
     if (status == EXIT_DONE && on_device)
         status = context_finish(&run->job, &run->limits);
+    if (status == EXIT_DONE && run->limits && !run->shared)
+        status = context_calibrate(&run->job, settings);
     if (status == EXIT_DONE && run->shared)
-        return share_scene(run);
-    if (status == EXIT_DONE && run->limits)
-        status = calibrate(run);
+        status = share_scene(run);
     return status;
 }
 
@@ -377,6 +371,13 @@ static int join(struct run *run)
                         settings->render.path == STP_PATH_RASTER))
         return wrong_usage(settings->command, "several processes make one picture by --method "
                                               "two-pass --path compute only; or --split frames");
+    if (run->shared && run->settings->render.max_error > 0)
+        return wrong_usage(settings->command, "--max-error chooses among methods, of which several "
+                                              "processes have one; or --split frames");
+    if (run->shared) {
+        run->settings->render.method = STP_METHOD_TWO_PASS;
+        run->settings->render.path = STP_PATH_COMPUTE;
+    }
     return EXIT_DONE;
 }
 
