@@ -37,7 +37,7 @@ layout(constant_id = 10) const bool HAS_UNKNOWN = false; // some normals are (0,
 layout(constant_id = 11) const bool HEAD_LIGHT = true;   // the default light alone
 layout(constant_id = 12) const bool LOCAL_VIEWER = false;
 layout(constant_id = 13) const bool BACKGROUND = false;
-layout(constant_id = 14) const uint AOVS = 0;            // bit 0 albedo and weight, bit 1 id and fragments
+layout(constant_id = 14) const uint AOVS = 0;            // bit 0 albedo and weight, 1 id and fragments, 2 layers
 layout(constant_id = 15) const uint SQUARINGS = 5;       // shininess = 2^SQUARINGS; 32: any
 layout(constant_id = 16) const bool REPAIR = false;      // two-pass code on overflowed pixels only
 layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside packed slots
@@ -48,10 +48,13 @@ layout(constant_id = 24) const bool AXIS_CUT = false;     // near or far cuts ke
 layout(constant_id = 25) const bool UNLIT = false;        // a volume shows its colours as they are
 layout(constant_id = 26) const uint AXIS_WALK = 0;        // of this pass
 layout(constant_id = 27) const uint AXIS_PART = 0;
+layout(constant_id = 28) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
+layout(constant_id = 29) const bool MIXED = false;       // some splats are opaque, where others are not
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
-const uint ID_WORDS = SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS;
+// Layers, where they are counted, come last.
+const uint ID_WORDS = (SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS) + ((AOVS & 4) == 0 ? 0 : 1);
 
 #ifndef PUSH_MORE
 #define PUSH_MORE
@@ -59,3 +62,9 @@ const uint ID_WORDS = SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS;
 // push_first: the first splat of a draw, or the level of a pyramid; push_count: points.
 layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; uint push_pad; PUSH_MORE };
 // Constant 22 is the size of a workgroup of the pyramid's passes.
+
+// An id that can be looked up, also of a lane that has none: loads are not always masked.
+uint splat_known(uint id)
+{
+    return min(id, frame.known_count - 1);
+}

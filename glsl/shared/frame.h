@@ -33,6 +33,10 @@
 #define STP_SUM_WORDS   10     /* 64-bit words of a pixel's fixed-point sums */
 #define STP_LIGHTS      8
 #define STP_NO_ID       0xffffffffu
+/* Of a splat's tag: group, flags, object. */
+#define STP_TAG_GROUP     63u
+#define STP_TAG_INVISIBLE 64u  /* opacity 0: it has no fragments */
+#define STP_TAG_OPAQUE    128u /* opacity 1, in a scene that is transparent elsewhere */
 #define STP_NO_NORMAL   0x80008000u /* of a point: no octahedral normal is packed to this */
 #define STP_NO_POINT    0x7fffffffu /* key words of a pixel that no point fell into; positive ints */
 #define STP_RIM_DEPTH   0x7f800001u /* then, of one that the push left empty: farther than all */
@@ -52,7 +56,7 @@
 #define STP_AXIS_MERGE_CLIP    1
 #define STP_BINDING_AXIS_COLOR 10
 #define STP_BINDING_AXIS_DEPTH 11
-#define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2 */
+#define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
 #define STP_SUMS_NONE 0x7f8000007ffffffful
@@ -69,6 +73,7 @@
 #define STP_WORK_REPAIR_BLOCKS 16 /* x y z: the touched blocks again; else 0 */
 #define STP_WORK_COLLECT       20 /* x y z: all splats, to find those; else 0 */
 #define STP_WORK_OVERFLOW      24 /* not 0: a pixel's slots overflowed */
+#define STP_WORK_REMAINING     25 /* not 0: rays that are being mended have layers left */
 #define STP_WORK_FLAGS         32 /* a word a block */
 #define STP_BLOCK_TOUCHED      1u
 #define STP_BLOCK_OVERFLOWED   2u
@@ -101,8 +106,9 @@ struct stp_axis_gpu {
 };
 
 struct stp_frame_constants {
-    STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz group|object<<8 */
+    STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz tag (STP_TAG_*, object << 8) */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
+    STP_ADDRESS(FloatRef, opacities);    /* where they are not one for all */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: by block */
     STP_ADDRESS(UintRef, work);      /* STP_WORK_* */
@@ -120,7 +126,7 @@ struct stp_frame_constants {
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
     STP_ADDRESS(Vec4Ref, out_albedo); /* rgb, sum of weights */
-    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; then the nearest sample, hits */
+    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; nearest sample, hits; layers */
     STP_DOUBLE rotation64[9];         /* WITH_FLOAT64: centres are projected in double */
     STP_DOUBLE translation64[3];
     STP_DOUBLE eye64[3]; /* relative to the origin; orthographic: the direction of sight */
@@ -134,6 +140,7 @@ struct stp_frame_constants {
     float center[2];
     float near_depth, far_depth;
     float epsilon;     /* the least of the objects' */
+    float opacity;     /* of every splat, where it is one for all */
     float floor_size;  /* least diameter, pixels */
     float depth_low;   /* depth of quantised 0 */
     float depth_scale; /* quantised steps a scene unit */

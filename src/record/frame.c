@@ -13,6 +13,9 @@ static enum stp_result make_read_back(const struct stp_env *env, struct record_f
         if (plan->resource[i].lifetime == PLAN_OUTPUT && !frame->resources.buffer[i].mapped)
             result = gpu_buffer_create(env, frame->context, plan->resource[i].bytes, GPU_READ_BACK,
                                        plan->resource[i].name, &frame->read_back[i]);
+    if (result == STP_OK && plan->loop_first)
+        result = gpu_buffer_create(env, frame->context, 4, GPU_READ_BACK, "what remains",
+                                   &frame->remaining);
     return result;
 }
 
@@ -289,6 +292,7 @@ void record_frame_destroy(struct record_frame *frame)
         c->vk.vkDestroyDescriptorPool(c->device, frame->resources.pool, NULL);
     for (uint32_t i = 0; i < PLAN_MAX_RESOURCES; i++)
         gpu_buffer_destroy(c, &frame->read_back[i]);
+    gpu_buffer_destroy(c, &frame->remaining);
     record_resources_destroy(c, &frame->resources);
     gpu_block_destroy(c, &frame->scratch);
     *frame = (struct record_frame){ 0 };
