@@ -18,6 +18,13 @@ struct MaterialData {
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MaterialRef { MaterialData v[]; };
 
+struct OpticsData {
+    vec3 ior;
+    float level;
+    vec3 reflectance, absorption;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer OpticsRef { OpticsData v[]; };
+
 #include "shared/frame.h"
 
 layout(set = 0, binding = 0, scalar) uniform Frame { stp_frame_constants frame; };
@@ -43,6 +50,7 @@ layout(constant_id = 16) const bool REPAIR = false;      // two-pass code on ove
 layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside packed slots
 // 18 to 20 (64-bit atomics, gl_Layer from the vertex shader, doubles) choose modules, not code.
 layout(constant_id = 21) const uint SAMPLE_GRID = 1;     // the picture is the mean of SAMPLES
+layout(constant_id = 22) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

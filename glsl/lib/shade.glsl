@@ -1,4 +1,5 @@
 // Deferred shading, one for every method: averaged attributes in, the picture's channels out.
+#include "lib/optics.glsl"
 
 struct Surface {
     float weight;     // sum of weights
@@ -82,16 +83,19 @@ void surface_write(uvec2 p, bool hit, Surface s)
     bool vanished = !(s.weight >= 1e-6 && dot(s.normal, s.normal) >= 1e-12);
     vec3 n = vanished ? s.near_normal : s.normal * inversesqrt(dot(s.normal, s.normal));
     float depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
-    MaterialData m = frame.materials.v[0];
+    uint object = 0;
     if (HAS_OBJECTS)
-        m = frame.materials.v[hit ? floatBitsToUint(frame.splats.v[2 * s.id + 1].w) >> 8 : 0];
+        object = hit ? floatBitsToUint(frame.splats.v[2 * s.id + 1].w) >> 8 : 0;
+    MaterialData m = frame.materials.v[object];
     vec3 albedo = m.albedo;
     if (HAS_COLOR)
         albedo = vanished ? frame.colors.v[hit ? s.id : 0] : s.albedo / s.weight;
-    vec4 color = vec4(shade(m, albedo, n, pixel_position(p), depth), 1);
+    vec2 pixel = pixel_position(p);
+    vec4 color = vec4(shade(m, albedo, n, pixel, depth), 1);
+    if ((OPTICS & STP_OPTICS_SURFACE) != 0)
+        color.xyz = surface_mirrors(frame.optics.v[object], color.xyz, n, ray_direction(pixel));
     if (BACKGROUND && !hit)
-        color = vec4(frame.background[0], frame.background[1], frame.background[2],
-                     frame.background[3]);
+        color = background_at(pixel);
     uint hits = 1;
     if (SAMPLE_GRID > 1)
         color = sample_add(frame.out_color.v[at], color.xyz, hits);

@@ -32,6 +32,14 @@
 #define STP_SLOTS        64    /* fragments a pixel that `exact` keeps before its second way */
 #define STP_SUM_WORDS    10    /* 64-bit words of a pixel's fixed-point sums */
 #define STP_LIGHTS       8
+#define STP_ENVIRONMENT_LEVELS 12
+/* What PLAN_OPTICS holds, or-ed. */
+#define STP_OPTICS_SURFACE  1u  /* surfaces meet the environment */
+#define STP_OPTICS_BEHIND   2u  /* it is the background */
+#define STP_OPTICS_ROUGH    4u  /* there is more than its sharp level */
+#define STP_OPTICS_BETWEEN  8u  /* levels are mixed */
+#define STP_OPTICS_DISPERSE 16u /* channels refract apart */
+#define STP_OPTICS_MIRRORS  32u /* some surface has a reflectance */
 #define STP_NO_ID        0xffffffffu
 #define STP_ID_WORDS     4     /* of out_id a pixel, with several samples; else 2 */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
@@ -63,10 +71,24 @@ struct stp_material_gpu {
     float epsilon;
 };
 
+struct stp_optics_gpu {
+    float ior[3];
+    float level; /* of the environment; the fraction mixes in the next one */
+    float reflectance[3];
+    float absorption[3]; /* of one layer: optical depth */
+};
+
+/* A level of the environment: width * (height + 2) texels from `first`. */
+struct stp_level_gpu {
+    uint first, width, height;
+};
+
 struct stp_frame_constants {
     STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz group|object<<8 */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
+    STP_ADDRESS(OpticsRef, optics);      /* one an object; where surfaces meet the environment */
+    STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */
     STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group */
     STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
     STP_ADDRESS(UintRef, large);         /* ids of large splats; exact: then those to repair */
@@ -111,6 +133,8 @@ struct stp_frame_constants {
     float raster_scale;
     float raster_slab; /* hardware depth of one slab (ZP Eq. 10) */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
+    float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
+    STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];
 };
 
 #ifndef GL_core_profile

@@ -65,6 +65,7 @@ struct stp_render_params {
                          raster paths have no more than 1 */
     unsigned aovs;    /* enum stp_aov, or-ed */
     const float *background; /* NULL: none (alpha 0), or linear RGBA composited behind */
+    bool environment_behind; /* the scene's environment in the place of that background */
     bool local_viewer;       /* half vectors from the point, not the axis */
     unsigned mask_features;  /* enum stp_feature, or-ed */
     uint64_t memory_limit;   /* bytes of transients and outputs; 0: the device's */

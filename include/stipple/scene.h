@@ -2,7 +2,7 @@
 #ifndef STIPPLE_SCENE_H
 #define STIPPLE_SCENE_H
 
-#include <stipple/result.h>
+#include <stipple/environment.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -50,6 +50,7 @@ struct stp_object_params {
     const struct stp_material *material; /* NULL: the default */
     double epsilon;                      /* eye depth, scene units; 0: the median radius */
     float opacity;                       /* 0: 1. Multiplies the points' own */
+    const struct stp_optics *optics;     /* NULL: the default */
 };
 
 struct stp_load_params {
@@ -60,6 +61,7 @@ struct stp_load_params {
     const struct stp_material *material;
     double epsilon;
     float opacity;
+    const struct stp_optics *optics; /* what it sets wins over a scene .json */
 };
 
 /* Reads a point file (PLY, LAS, PCD, text, OFF, OBJ; gzip of any) or a scene .json (docs/scene.md).
@@ -138,6 +140,11 @@ struct stp_facts {
     float color_max; /* largest colour component; 0 without colours */
     unsigned objects, lights;
     bool positional_lights;
+    unsigned environment_levels;  /* sharp, then one for each roughness; 0: no environment */
+    uint64_t environment_texels;  /* of all levels, polar rows included */
+    bool reflects, disperses;     /* some surface meets the environment; its channels apart */
+    bool mirrors;                 /* some surface has a reflectance */
+    bool between_levels;          /* more roughnesses than levels: two are mixed */
     enum stp_up up; /* resolved */
     struct stp_grouping grouping;
     char format[32]; /* of the (first) file, "" when made in memory */

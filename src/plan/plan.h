@@ -36,6 +36,7 @@ enum plan_constant {
     PLAN_LAYERED,
     PLAN_FLOAT64,
     PLAN_SAMPLE_GRID,
+    PLAN_OPTICS,
     PLAN_CONSTANTS
 };
 
@@ -44,6 +45,8 @@ enum plan_slot {
     PLAN_SPLATS,
     PLAN_COLORS,
     PLAN_MATERIALS,
+    PLAN_OBJECT_OPTICS,
+    PLAN_ENVIRONMENT,
     PLAN_ORDER,
     PLAN_WORK,
     PLAN_LARGE,
@@ -227,6 +230,9 @@ void plan_twopass(struct stp_plan *plan);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
+
+/* plan/environment.c: whether this picture needs the scene's environment, and what of it. */
+void plan_environment(struct stp_plan *plan, const struct stp_scene *scene);
 
 /* plan/tile.c: cuts the picture until a tile's transients fit; appends steps for the tile size. */
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);

@@ -170,6 +170,8 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
     pass->repair = repair;
     pass->offset = STP_WORK_BLOCKS * 4;
     splat_reads(plan, pass);
+    plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
     plan_updates(plan, pass, PLAN_WORK);
     updates_all(plan, pass, read);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)

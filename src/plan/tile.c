@@ -46,6 +46,12 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
+    if (plan->constant[PLAN_OPTICS] & STP_OPTICS_SURFACE)
+        plan_resource(plan, "optics", PLAN_OBJECT_OPTICS, PLAN_SCENE,
+                      plan->facts.objects * sizeof(struct stp_optics_gpu));
+    if (plan->constant[PLAN_OPTICS])
+        plan_resource(plan, "environment", PLAN_ENVIRONMENT, PLAN_SCENE,
+                      plan->facts.environment_texels * 12);
 }
 
 /* Blocks that nothing touches are never resolved: they keep what these fills leave. */
@@ -89,6 +95,7 @@ static void background(struct stp_plan *plan)
         return;
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
     plan_reads(plan, pass, PLAN_OUT_DEPTH);
     plan_updates(plan, pass, PLAN_OUT_COLOR);
 }

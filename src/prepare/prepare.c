@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "prepare/color.h"
+#include "prepare/environment.h"
 #include "prepare/facts.h"
 #include "prepare/merge.h"
 #include "prepare/object.h"
@@ -119,10 +120,13 @@ enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene
         splats_release(&p.sets[i]);
     mem_free(p.sets);
     mem_free(p.first_input);
+    if (result == STP_OK)
+        result = environment_build(env, scene, &scene->environment);
     if (result != STP_OK) {
         splats_release(&splats);
         return result;
     }
+    environment_facts(scene, &p.facts);
     scene->splats = splats;
     scene->facts = p.facts;
     memcpy(scene->core, core, sizeof core);

@@ -35,6 +35,10 @@ void sums_add(const struct view *view, struct sums *sums, uint32_t id, const str
 struct surface surface_resolve(const struct view *view, const struct nearest *nearest,
                                const struct sums *sums, const struct ray *ray);
 
+/* optics.c: what the environment adds to a surface that sends `own` light by itself. */
+struct vec3 surface_mirror(const struct view *view, const struct surface *surface,
+                           const struct stp_optics *o, struct vec3 own);
+
 /* light.c: the shading model, linear. */
 struct vec3 surface_shade(const struct view *view, const struct surface *surface);
 

@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/vec.h"
 #include "scene/camera_json.h"
+#include "scene/optics.h"
 
 /* Names to values of an enum, ended by a NULL name. */
 struct choice {
@@ -43,7 +44,7 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
     const cJSON *points = cJSON_GetObjectItemCaseSensitive(json, "points");
     int read = STP_UP_AUTO;
     enum stp_result result =
-        json_check_object(root, json, "points lights camera camera_file up name comment");
+        json_check_object(root, json, "points lights camera camera_file environment up name comment");
     if (result == STP_OK && !cJSON_IsArray(points))
         result = json_error(root, "points", "an array of point files is needed");
     if (result == STP_OK)
@@ -55,8 +56,7 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
     return STP_OK;
 }
 
-/* The folder of the scene file, then `file`; or `file` alone when it is absolute. */
-static char *join(const char *scene_path, const char *file)
+char *scene_json_path(const char *scene_path, const char *file)
 {
     const char *slash = strrchr(scene_path, '/');
     size_t folder = file[0] == '/' || !slash ? 0 : (size_t)(slash + 1 - scene_path);
@@ -98,7 +98,7 @@ static enum stp_result get_material(const struct json_at *at, const cJSON *item,
     const char *keys[4] = { "ambient", "diffuse", "specular", "shininess" };
     float *values[4] = { &read.ambient, &read.diffuse, &read.specular, &read.shininess };
     enum stp_result result =
-        json_check_object(at, item, "ambient diffuse specular shininess albedo");
+        json_check_object(at, item, "ambient diffuse specular shininess albedo " OPTICS_KEYS);
     for (int i = 0; i < 4 && result == STP_OK; i++) {
         result = json_get_float(at, item, keys[i], values[i]);
         if (result == STP_OK && *values[i] < 0)
@@ -150,6 +150,8 @@ static enum stp_result get_look(const struct json_at *at, const cJSON *item,
     if (material) {
         struct json_at below = json_below(at, "material", -1);
         result = get_material(&below, material, &entry->material);
+        if (result == STP_OK)
+            result = optics_from_json(&below, material, &entry->optics);
     }
     if (result == STP_OK)
         result = get_positive(at, item, "epsilon", INFINITY, &p->epsilon);
@@ -162,6 +164,8 @@ static enum stp_result get_look(const struct json_at *at, const cJSON *item,
     if (result != STP_OK)
         return result;
     p->material = given.material ? given.material : material ? &entry->material : NULL;
+    entry->optics = optics_merge(&entry->optics, given.optics);
+    p->optics = &entry->optics;
     p->epsilon = given.epsilon > 0 ? given.epsilon : p->epsilon;
     p->opacity = given.opacity > 0 ? given.opacity : (float)opacity;
     p->color_by = given.color_by ? given.color_by : p->color_by;
@@ -193,7 +197,7 @@ enum stp_result scene_json_entry(const struct json_at *root, const cJSON *json, 
     }
     if (!file || !file[0])
         return json_error(&at, "file", "the path of a point file is needed");
-    entry->file = join(root->path, file);
+    entry->file = scene_json_path(root->path, file);
     return entry->file ? STP_OK : log_no_memory(root->env, strlen(file), root->path);
 }
 
@@ -247,7 +251,7 @@ static enum stp_result camera_of_file(const struct json_at *root, const char *fi
                                       struct camera_json *camera)
 {
     cJSON *json = NULL;
-    char *path = join(root->path, file);
+    char *path = scene_json_path(root->path, file);
     if (!path)
         return log_no_memory(root->env, strlen(file), root->path);
     enum stp_result result = json_read(root->env, path, &json);
