@@ -39,10 +39,12 @@ struct command {
     int (*run)(struct settings *settings);
 };
 
+#define MOST_OPTIONS 128
+
 /* Everything an option can set. Zero is the default throughout, as in the library's structs. */
 struct settings {
     const struct command *command;
-    uint64_t given; /* bit i: option i of the table was on the command line */
+    bool given[MOST_OPTIONS]; /* option i of the table was on the command line */
     char **files;
     int file_count;
     int word_count; /* the command line, from the command's name on, as getopt left it */
@@ -56,9 +58,12 @@ struct settings {
     struct stp_context_params context;
     struct stp_exr_params exr;
     struct stp_compare_params compare;
+    struct stp_optics optics;
+    struct stp_environment_params around;
 
     double clip_box[6];
     float background[4];
+    const char *environment;
     const char *output, *preview, *stats, *camera, *write_camera, *limits;
     uint32_t first_frame, last_frame;
     double exposure, least_psnr;
@@ -129,6 +134,9 @@ bool value_view(const struct option_spec *spec, const char *text, void *target);
 bool value_clip_box(const struct option_spec *spec, const char *text, void *target);
 bool value_background(const struct option_spec *spec, const char *text, void *target);
 bool value_frames(const struct option_spec *spec, const char *text, void *target);
+bool value_optics(const struct option_spec *spec, const char *text, void *target);  /* float[] */
+bool value_intensity(const struct option_spec *spec, const char *text, void *target); /* float */
+bool value_opacity(const struct option_spec *spec, const char *text, void *target);
 bool value_min_splat(const struct option_spec *spec, const char *text, void *target);
 
 extern const struct value_name aov_names[], relax_names[];

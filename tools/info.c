@@ -160,7 +160,12 @@ static void print_surface(const struct stp_facts *facts)
     else
         printf("none: the material's\n");
     row("opacity");
-    printf("%s\n", facts->transparent ? "transparent" : "opaque");
+    if (facts->transparent)
+        printf("transparent, from %.4g%s%s\n", (double)facts->opacity_min,
+               facts->uniform_opacity ? ", one for each object" : ", it varies",
+               facts->mixed ? ", among opaque splats" : "");
+    else
+        printf("opaque\n");
     row("lights");
     printf("%u%s\n", facts->lights, facts->positional_lights ? ", some with a position" : "");
     if (facts->grouping.groups) {
@@ -233,6 +238,9 @@ static void add_shape(cJSON *json, const struct stp_facts *facts)
     cJSON_AddBoolToObject(json, "has_color", facts->has_color);
     cJSON_AddNumberToObject(json, "color_max", facts->color_max);
     cJSON_AddBoolToObject(json, "transparent", facts->transparent);
+    cJSON_AddBoolToObject(json, "mixed", facts->mixed);
+    cJSON_AddBoolToObject(json, "uniform_opacity", facts->uniform_opacity);
+    cJSON_AddNumberToObject(json, "opacity_min", facts->opacity_min);
     cJSON_AddBoolToObject(json, "positional_lights", facts->positional_lights);
 }
 

@@ -105,6 +105,10 @@ const struct option_spec option_table[] = {
       "file has colours, else the material's)",
       value_text, AT(load.color_by), "rgb, normal, height, intensity, class or a property's name",
       0, 0, NULL },
+    { NULL, POINTS, "opacity", 0, "A",
+      "of every object: multiplied with the points' and the materials' own, in the place of what a "
+      "scene .json says of its objects; 0: nothing is seen (default: 1)",
+      value_opacity, 0, "a number from 0 to 1", 0, 1, NULL },
     { NULL, POINTS, "transfer", 0, "auto|srgb|linear",
       "how colours are stored (default: auto, 8- and 16-bit sRGB, float linear)",
       value_choice, AT(load.transfer), NULL, 0, 0, NULL },
@@ -113,10 +117,37 @@ const struct option_spec option_table[] = {
       "the surface is open)",
       value_choice, AT(prepare.two_sided), NULL, 0, 0, NULL },
 
-    { "Picture", VIEW, "background", 0, "R,G,B[,A]|none",
-      "composited behind; linear light, alpha straight: it is multiplied in (default: none, "
-      "alpha 0 where nothing is)",
-      value_background, 0, "none, or R,G,B or R,G,B,A with A from 0 to 1", 0, 0, NULL },
+    { "Environment", POINTS, "environment", 0, "FILE",
+      "what is around the scene, for its surfaces to mirror: a latitude-longitude map, OpenEXR or "
+      "Radiance .hdr. Its top is up, its centre is ahead of --view front (default: that of the scene "
+      ".json, else none)",
+      value_text, AT(environment), "the name of a file", 0, 0, NULL },
+    { NULL, POINTS, "environment-rotation", 0, "DEG",
+      "turns it about up, counter-clockwise seen from above (default: 0)",
+      value_degrees, AT(around.rotation), "degrees from -360 to 360", -360, 360, NULL },
+    { NULL, POINTS, "environment-intensity", 0, "F",
+      "multiplies its light (default: 1)",
+      value_intensity, AT(around.intensity), "a number above 0 and at most 1e6", DBL_TRUE_MIN, 1e6,
+      NULL },
+    { NULL, POINTS, "ior", 0, "N|R,G,B",
+      "of every surface: its index of refraction, or one a channel, from which follows what it "
+      "mirrors; 1: nothing (default: that of the scene .json, else 1.5)",
+      value_optics, AT(optics.ior), "a number from 0.05 to 20, or three with commas between", 0.05,
+      20, NULL },
+    { NULL, POINTS, "reflectance", 0, "F|R,G,B",
+      "of every surface: what it mirrors face on, as metals do, in the place of what follows from "
+      "--ior (default: that of the scene .json, else none)",
+      value_optics, AT(optics.reflectance), "a number from 0 to 1, or three with commas between", 0,
+      1, NULL },
+    { NULL, POINTS, "roughness", 0, "F",
+      "of every surface: 0 mirrors sharply, 1 nearly evenly (default: that of the scene .json, else "
+      "0)",
+      value_optics, AT(optics.roughness), "a number from 0 to 1", 0, 1, NULL },
+
+    { "Picture", VIEW, "background", 0, "R,G,B[,A]|environment|none",
+      "composited behind; linear light, alpha straight: it is multiplied in; or what --environment "
+      "says (default: none, alpha 0 where nothing is)",
+      value_background, 0, "none, environment, or R,G,B or R,G,B,A with A from 0 to 1", 0, 0, NULL },
     { NULL, PICTURE, "samples", 0, "N",
       "stratified samples a pixel, rounded up to a square number: smooth edges, and dense clouds "
       "that do not flicker, at N times the time; not with --path raster (default: 1)",
@@ -145,6 +176,14 @@ const struct option_spec option_table[] = {
       "fragment kept and resolved; reference: float64 on the CPU, slow, needs no Vulkan (default: "
       "auto, exact where the device has what it needs, else deferred)",
       value_choice, AT(render.method), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "transparency", 0, "auto|fast|nearest|peel|exact|reference",
+      "how layers behind each other are composited where something is transparent. exact: every "
+      "fragment kept, cut into layers; reference: float64 on the CPU (default: auto, what --method "
+      "says, else exact)",
+      value_choice, AT(render.transparency), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "peel-layers", 0, "K",
+      "peel: at most K layers, the nearest ones (default: 8)",
+      value_count, AT(render.peel_layers), "a whole number from 1 to 1000", 1, 1000, NULL },
     { NULL, PICTURE, "path", 0, "auto|raster|compute",
       "the device's rasteriser, or compute shaders (default: auto)",
       value_choice, AT(render.path), NULL, 0, 0, NULL },
@@ -222,7 +261,7 @@ const struct option_spec option_table[] = {
 /* clang-format on */
 
 const unsigned option_count = sizeof option_table / sizeof *option_table;
-_Static_assert(sizeof option_table / sizeof *option_table <= 64, "settings.given has 64 bits");
+_Static_assert(sizeof option_table / sizeof *option_table <= MOST_OPTIONS, "settings.given");
 
 #define LONG_BASE 256 /* getopt's value of table entry i is LONG_BASE + i */
 
@@ -241,7 +280,7 @@ int wrong_usage(const struct command *command, const char *format, ...)
 bool option_given(const struct settings *settings, const char *name)
 {
     for (unsigned i = 0; i < option_count; i++)
-        if ((settings->given >> i & 1) && strcmp(option_table[i].name, name) == 0)
+        if (settings->given[i] && strcmp(option_table[i].name, name) == 0)
             return true;
     return false;
 }
@@ -324,7 +363,7 @@ static enum parse_outcome apply_option(const struct command *command, int index,
             printf("stipple %s\n", stp_version());
         return PARSE_SHOWN;
     }
-    settings->given |= (uint64_t)1 << index;
+    settings->given[index] = true;
     if (spec->parse(spec, optarg, (char *)settings + spec->offset))
         return PARSE_RUN;
     wrong_usage(command, "--%s '%s': wants %s", spec->name, optarg, allowed_text(spec));
@@ -335,7 +374,7 @@ enum parse_outcome options_parse(const struct command *command, int argc, char *
                                  struct settings *settings)
 {
     char letters[64];
-    struct option longs[65];
+    struct option longs[MOST_OPTIONS + 1];
     int code;
     build_getopt(command, letters, longs);
     opterr = 0;

@@ -15,12 +15,11 @@ vec3 interface_fresnel(OpticsData o, vec3 ior, float c)
     return f;
 }
 
-// color: what the surface itself sends to the eye; n: unit, d: unit, along the eye's ray.
+// An opaque surface under its interface, the same from both sides. color: what it sends to the eye
+// by itself; n: unit, either way; d: unit, along the eye's ray.
 vec3 surface_mirrors(OpticsData o, vec3 color, vec3 n, vec3 d)
 {
     float c = dot(d, n);
-    // From inside, the surface's outside is behind it.
-    vec3 ior = c > 0 ? 1 / o.ior : o.ior;
-    vec3 f = interface_fresnel(o, ior, min(abs(c), 1));
+    vec3 f = interface_fresnel(o, o.ior, min(abs(c), 1));
     return mix(color, environment_at(normalize(d - 2 * c * n), o.level), f);
 }

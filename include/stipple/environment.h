@@ -29,7 +29,7 @@ struct stp_environment_params {
 
 /* A latitude-longitude map: OpenEXR (any compression; scanlines or tiles) or Radiance .hdr. Its top
  * is the scene's up; its centre is where `--view front` looks, and what is right of the centre is on
- * that view's right. path NULL: the map stays, and only the params change. */
+ * that view's right. Before or after stp_scene_prepare; it takes the place of an earlier one. */
 STP_API enum stp_result stp_scene_load_environment(const struct stp_env *env, struct stp_scene *scene,
                                            const char *path,
                                            const struct stp_environment_params *params);

@@ -16,6 +16,15 @@ enum stp_method {
     STP_METHOD_EXACT,     /* every fragment kept in one geometry pass, resolved exactly */
     STP_METHOD_REFERENCE, /* float64 on the CPU */
 };
+/* How the layers of a transparent scene are composited; a scene that is opaque ignores it. */
+enum stp_transparency {
+    STP_TRANSPARENCY_AUTO = 0, /* what the method says, else exact */
+    STP_TRANSPARENCY_FAST,     /* ZP Algorithm 2; method deferred */
+    STP_TRANSPARENCY_NEAREST,  /* ZP Algorithm 3; method deferred */
+    STP_TRANSPARENCY_PEEL,     /* depth peeling; method two-pass */
+    STP_TRANSPARENCY_EXACT,    /* every fragment kept, cut into layers; method exact */
+    STP_TRANSPARENCY_REFERENCE /* float64 on the CPU; method reference */
+};
 enum stp_path { STP_PATH_AUTO = 0, STP_PATH_RASTER, STP_PATH_COMPUTE };
 enum stp_payload { STP_PAYLOAD_AUTO = 0, STP_PAYLOAD_ID, STP_PAYLOAD_PACKED };
 enum stp_voronoi {
@@ -30,6 +39,8 @@ enum stp_kernel {
 };
 enum stp_cull { STP_CULL_NONE = 0, STP_CULL_BACK };
 
+#define STP_DEFAULT_PEEL_LAYERS 8
+
 /* Extra channels beside R G B A Z N.X N.Y N.Z, or-ed. */
 enum stp_aov {
     STP_AOV_ALBEDO = 1,    /* albedo.R albedo.G albedo.B, before light */
@@ -38,7 +49,7 @@ enum stp_aov {
     STP_AOV_FRAGMENTS = 8, /* how many fragments were averaged */
     STP_AOV_COVERAGE = 16, /* share of the samples that hit */
     STP_AOV_ID = 32,       /* input index of the nearest splat, uint; 0xffffffff: none */
-    STP_AOV_LAYERS = 64,   /* surfaces composited: 1 where covered, for opaque scenes */
+    STP_AOV_LAYERS = 64,   /* layers composited: 1 where covered, for opaque scenes */
 };
 
 /* Optional device features; --mask-feature behaves as if the device lacked one. */
@@ -54,6 +65,8 @@ STP_API const char *stp_feature_name(enum stp_feature feature);
 
 struct stp_render_params {
     enum stp_method method;
+    enum stp_transparency transparency;
+    unsigned peel_layers; /* peel: the most layers; 0: STP_DEFAULT_PEEL_LAYERS */
     enum stp_path path;
     enum stp_payload payload; /* deferred, compute: what a key carries */
     enum stp_voronoi voronoi;
@@ -100,7 +113,8 @@ STP_API bool stp_plan_needs_groups(const struct stp_facts *facts,
                                    const struct stp_limits *limits);
 
 struct stp_plan_summary {
-    enum stp_method method; /* never AUTO */
+    enum stp_method method;             /* never AUTO */
+    enum stp_transparency transparency; /* AUTO: nothing is transparent */
     enum stp_path path;
     enum stp_payload payload;
     enum stp_voronoi voronoi;
@@ -115,6 +129,7 @@ STP_API char *stp_plan_print(const struct stp_plan *plan);
 STP_API void stp_plan_destroy(struct stp_plan **plan);
 
 STP_API const char *stp_method_name(enum stp_method method);
+STP_API const char *stp_transparency_name(enum stp_transparency transparency);
 STP_API const char *stp_path_name(enum stp_path path);
 
 #ifdef __cplusplus

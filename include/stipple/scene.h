@@ -25,6 +25,8 @@ enum stp_relax {
 struct stp_material {
     float ambient, diffuse, specular, shininess;
     float albedo[3]; /* of points that carry no colour */
+    float opacity; /* (0, 1], multiplied with the points' and the object's. As theirs, 0 is not set
+                      and means 1, and a negative one means 0: nothing is seen */
 };
 
 struct stp_light {
@@ -42,14 +44,14 @@ struct stp_points {
     const float (*normal)[3]; /* NULL: estimated */
     const float *radius;      /* NULL: from local spacing; 0 or NaN: that one is */
     const float (*color)[3];  /* NULL: the material's albedo; linear */
-    const float *opacity;     /* NULL: 1 */
+    const float *opacity;     /* NULL: 1; NaN: 1; clamped to [0, 1]; 0: not drawn */
 };
 
 /* One object of a scene. */
 struct stp_object_params {
     const struct stp_material *material; /* NULL: the default */
     double epsilon;                      /* eye depth, scene units; 0: the median radius */
-    float opacity;                       /* 0: 1. Multiplies the points' own */
+    float opacity; /* 0: 1; negative: 0. Multiplies the points' own and the material's */
     const struct stp_optics *optics;     /* NULL: the default */
 };
 
@@ -60,7 +62,8 @@ struct stp_load_params {
                                    or the name of a scalar property */
     const struct stp_material *material;
     double epsilon;
-    float opacity;
+    float
+        opacity; /* as in stp_object_params; in the place of what a scene .json says of an object */
     const struct stp_optics *optics; /* what it sets wins over a scene .json */
 };
 
@@ -131,11 +134,15 @@ struct stp_facts {
     size_t outliers;    /* far from everything; their radius was bounded */
     size_t no_normal;   /* splats that face the eye: no normal could be estimated */
     enum stp_normals normals;
-    bool has_color, has_opacity, transparent, two_sided;
-    bool eye_dome;      /* shade by depth: normals are mostly unknown */
-    double outwardness; /* sum r^2 n.(p - centroid) / sum r^2 |p - centroid|, [-1, 1] */
-    double bounds[6];   /* of the centres: min x y z, max x y z; absolute */
-    double origin[3];   /* positions on the device are relative to it */
+    bool has_color, has_opacity, two_sided;
+    bool transparent;     /* some splat's opacity is below 1 */
+    bool mixed;           /* and some splat's is 1: opaque things among transparent ones */
+    bool uniform_opacity; /* the splats of each object share one opacity */
+    float opacity_min;    /* 1 where nothing is transparent */
+    bool eye_dome;        /* shade by depth: normals are mostly unknown */
+    double outwardness;   /* sum r^2 n.(p - centroid) / sum r^2 |p - centroid|, [-1, 1] */
+    double bounds[6];     /* of the centres: min x y z, max x y z; absolute */
+    double origin[3];     /* positions on the device are relative to it */
     float radius_min, radius_median, radius_max;
     float color_max; /* largest colour component; 0 without colours */
     unsigned objects, lights;

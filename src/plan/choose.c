@@ -8,15 +8,67 @@
 #define LEAST_DEPTH_BITS 8      /* packed keys: epsilon is at least 2^8 quantised steps */
 #define MOST_SLABS       262142 /* keys with ids hold 18 bits of slab */
 
-static enum stp_method resolve_method(const struct stp_render_params *params)
+/* The method whose passes composite these layers. */
+static enum stp_method method_of(enum stp_transparency transparency)
 {
+    static const enum stp_method methods[] = { STP_METHOD_AUTO,     STP_METHOD_DEFERRED,
+                                               STP_METHOD_DEFERRED, STP_METHOD_TWO_PASS,
+                                               STP_METHOD_EXACT,    STP_METHOD_REFERENCE };
+    return methods[transparency];
+}
+
+/* AUTO where nothing is transparent. */
+static enum stp_transparency resolve_transparency(const struct stp_facts *facts,
+                                                  const struct stp_render_params *params)
+{
+    if (!facts->transparent)
+        return STP_TRANSPARENCY_AUTO;
+    if (params->transparency != STP_TRANSPARENCY_AUTO)
+        return params->transparency;
+    switch (params->method) {
+    case STP_METHOD_DEFERRED:
+        return STP_TRANSPARENCY_FAST;
+    case STP_METHOD_TWO_PASS:
+        return STP_TRANSPARENCY_PEEL;
+    default:
+        return STP_TRANSPARENCY_REFERENCE;
+    }
+}
+
+static enum stp_method resolve_method(const struct stp_facts *facts,
+                                      const struct stp_render_params *params)
+{
+    enum stp_transparency transparency = resolve_transparency(facts, params);
+    if (transparency != STP_TRANSPARENCY_AUTO)
+        return method_of(transparency);
     return params->method == STP_METHOD_AUTO ? STP_METHOD_EXACT : params->method;
+}
+
+static enum stp_result choose_transparency(const struct stp_env *env, struct stp_plan *plan)
+{
+    const struct stp_render_params *p = &plan->params;
+    plan->transparency = resolve_transparency(&plan->facts, p);
+    plan->method = resolve_method(&plan->facts, p);
+    if (plan->transparency == STP_TRANSPARENCY_AUTO)
+        return STP_OK;
+    const char *name = stp_transparency_name(plan->transparency);
+    if (p->method != STP_METHOD_AUTO && p->method != plan->method)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method %s does not draw transparency %s, method %s does: ask for one of "
+                         "the two only",
+                         stp_method_name(p->method), name, stp_method_name(plan->method));
+    if (plan->transparency != STP_TRANSPARENCY_REFERENCE)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the scene is transparent, and this version has no transparency %s on a "
+                         "device: ask for reference",
+                         name);
+    return STP_OK;
 }
 
 bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
                            const struct stp_limits *limits)
 {
-    return resolve_method(params) == STP_METHOD_DEFERRED;
+    return resolve_method(facts, params) == STP_METHOD_DEFERRED;
 }
 
 static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *plan)
@@ -131,7 +183,9 @@ static void explain(struct stp_plan *plan)
 
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
 {
-    plan->method = resolve_method(&plan->params);
+    enum stp_result result = choose_transparency(env, plan);
+    if (result != STP_OK)
+        return result;
     if (plan->method == STP_METHOD_REFERENCE) {
         explain(plan);
         return STP_OK;
@@ -139,7 +193,7 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     if (plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the deferred method needs stp_scene_group before its plan");
-    enum stp_result result = choose_path(env, plan);
+    result = choose_path(env, plan);
     if (result == STP_OK)
         result = choose_voronoi(env, plan);
     if (result != STP_OK)

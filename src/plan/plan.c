@@ -100,6 +100,7 @@ void stp_plan_summarize(const struct stp_plan *plan, struct stp_plan_summary *su
 {
     *summary = (struct stp_plan_summary){
         .method = plan->method,
+        .transparency = plan->transparency,
         .path = plan->path,
         .payload = plan->payload,
         .voronoi = plan->voronoi,
@@ -117,6 +118,12 @@ const char *stp_method_name(enum stp_method method)
 {
     static const char *const names[] = { "auto", "deferred", "two-pass", "exact", "reference" };
     return names[method];
+}
+
+const char *stp_transparency_name(enum stp_transparency transparency)
+{
+    static const char *const names[] = { "auto", "fast", "nearest", "peel", "exact", "reference" };
+    return names[transparency];
 }
 
 const char *stp_path_name(enum stp_path path)

@@ -177,6 +177,7 @@ struct plan_tile {
 
 struct stp_plan {
     enum stp_method method;
+    enum stp_transparency transparency; /* AUTO: nothing is transparent */
     enum stp_path path;
     enum stp_payload payload;
     enum stp_voronoi voronoi;

@@ -60,6 +60,8 @@ static void print(FILE *out, const struct stp_plan *plan)
 {
     fprintf(out, "method %s, path %s, %zu splats, %u x %u pixels\n", stp_method_name(plan->method),
             stp_path_name(plan->path), plan->facts.splats, plan->camera.width, plan->camera.height);
+    if (plan->transparency != STP_TRANSPARENCY_AUTO)
+        fprintf(out, "transparency %s\n", stp_transparency_name(plan->transparency));
     if (plan_samples(plan) > 1)
         fprintf(out, "samples: %u a pixel, %u x %u\n", plan_samples(plan),
                 plan->constant[PLAN_SAMPLE_GRID], plan->constant[PLAN_SAMPLE_GRID]);

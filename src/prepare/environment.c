@@ -118,20 +118,16 @@ void environment_facts(const struct stp_scene *scene, struct stp_facts *facts)
     }
 }
 
-/* Takes over `made`, whose map may be the scene's own. */
+/* Takes over `made`; its map is released on failure. */
 static enum stp_result install(const struct stp_env *env, struct stp_scene *scene,
                                struct scene_environment *made)
 {
-    bool new_map = made->map.texel != scene->environment.map.texel;
     enum stp_result result = scene->prepared ? environment_build(env, scene, made) : STP_OK;
     if (result != STP_OK) {
-        if (new_map)
-            environment_map_release(&made->map);
+        environment_release(made);
         return result;
     }
-    if (new_map)
-        environment_map_release(&scene->environment.map);
-    mem_free(scene->environment.texel);
+    environment_release(&scene->environment);
     scene->environment = *made;
     environment_facts(scene, &scene->facts);
     return STP_OK;
@@ -155,12 +151,7 @@ enum stp_result stp_scene_load_environment(const struct stp_env *env, struct stp
         return result;
     if (params)
         made.params = *params;
-    if (!path && !scene->environment.map.width)
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "the scene has no environment that could be turned or dimmed");
-    made.map = scene->environment.map;
-    if (path)
-        result = environment_read(env, path, &made.map);
+    result = environment_read(env, path, &made.map);
     return result == STP_OK ? install(env, scene, &made) : result;
 }
 

@@ -14,7 +14,7 @@
 #define PI             3.14159265358979323846
 #define TEXELS_A_SIGMA 3.6   /* of a level, in its lobe's standard deviation */
 #define CUT            10.0  /* weights below exp(-CUT) are left out: 5e-5 of the lobe */
-#define LEAST_HEIGHT   8
+#define LEAST_HEIGHT   48
 #define MOST_HEIGHT    1024
 
 /* Whether a level takes its light from a coarser copy of the map. */

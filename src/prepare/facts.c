@@ -108,9 +108,37 @@ static void scan_radii_and_colors(const struct splats *s, struct stp_facts *fact
     for (size_t i = 0; s->color && i < s->count; i++)
         for (int c = 0; c < 3; c++)
             facts->color_max = fmaxf(facts->color_max, s->color[i][c]);
-    facts->transparent = false;
-    for (size_t i = 0; s->opacity && i < s->count; i++)
-        facts->transparent |= s->opacity[i] < 1;
+}
+
+/* first: an object's, NaN until a splat of it was seen. */
+static void scan_opacities(const struct splats *s, float *first, struct stp_facts *facts)
+{
+    bool opaque = false;
+    facts->opacity_min = 1;
+    facts->uniform_opacity = true;
+    for (size_t i = 0; s->opacity && i < s->count; i++) {
+        float opacity = s->opacity[i], *known = &first[s->object ? s->object[i] : 0];
+        if (isnan(*known))
+            *known = opacity;
+        facts->uniform_opacity &= opacity == *known;
+        facts->opacity_min = fminf(facts->opacity_min, opacity);
+        opaque |= opacity == 1;
+    }
+    facts->transparent = facts->opacity_min < 1;
+    facts->mixed = facts->transparent && opaque;
+}
+
+static enum stp_result find_opacities(const struct stp_env *env, const struct splats *s,
+                                      struct stp_facts *facts)
+{
+    float *first = mem_alloc(facts->objects, sizeof *first);
+    if (!first)
+        return log_no_memory(env, facts->objects * sizeof *first, "the objects' opacities");
+    for (unsigned i = 0; i < facts->objects; i++)
+        first[i] = NAN;
+    scan_opacities(s, first, facts);
+    mem_free(first);
+    return STP_OK;
 }
 
 enum stp_result facts_measure(const struct stp_env *env, struct splats *s, struct stp_facts *facts,
@@ -129,6 +157,9 @@ enum stp_result facts_measure(const struct stp_env *env, struct splats *s, struc
     facts->splats = s->count;
     facts->has_color = s->color != NULL;
     scan_radii_and_colors(s, facts);
+    result = find_opacities(env, s, facts);
+    if (result != STP_OK)
+        return result;
     result = radii_median(env, s->radius, s->count, &facts->radius_median);
     return result == STP_OK ? find_outwardness(env, s, &facts->outwardness) : result;
 }

@@ -145,9 +145,7 @@ static enum stp_result finish(const struct stp_env *env, struct scene_object *ob
         if (result == STP_OK)
             object->epsilon = (double)median;
     }
-    if (result == STP_OK && want_color)
-        result = color_object(env, object, up, s);
-    return result == STP_OK ? opacity_object(env, object, s) : result;
+    return result == STP_OK && want_color ? color_object(env, object, up, s) : result;
 }
 
 enum stp_result prepare_object(const struct stp_env *env, struct scene_object *object,
@@ -159,6 +157,8 @@ enum stp_result prepare_object(const struct stp_env *env, struct scene_object *o
     size_t duplicates = 0;
     facts->has_opacity |= object->cloud.opacity != NULL;
     enum stp_result result = collect_cloud(env, &object->cloud, clip_box, &made.splats, facts);
+    if (result == STP_OK)
+        result = opacity_object(env, object, &made.splats); /* before: it is part of the order */
     if (result == STP_OK)
         result = order_splats(env, &made.splats, &duplicates);
     facts->duplicates += duplicates;

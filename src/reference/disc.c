@@ -60,6 +60,8 @@ bool disc_setup(const struct view *view, size_t id, struct disc *disc)
     disc->centre = eye_point(eye, splats->position[id]);
     disc->normal = v3_unit(eye_direction(eye, v3_loadf(splats->normal[id])));
     disc->radius = splats->radius[id];
+    if (splats->opacity && splats->opacity[id] == 0)
+        return false;
     if (!(disc->radius > 0) || !orient(view, eye_view(eye, disc->centre), &disc->normal))
         return false;
     double reach = 0;

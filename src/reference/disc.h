@@ -14,6 +14,7 @@ struct view {
     uint32_t width, height;
     enum stp_kernel kernel;
     bool cull_back, two_sided, local_viewer;
+    bool transparent; /* pixels are layers (layers.c) */
     double min_splat; /* pixels; 0: off */
     double epsilon;   /* 0: each object's own */
     unsigned grid;    /* grid x grid samples a pixel */
@@ -38,8 +39,8 @@ struct fragment {
     double depth, rho2; /* eye depth; squared distance from the centre in radii, <= 1 */
 };
 
-/* False when splat `id` cannot have a fragment in any picture of this view: culled, or wholly
- * nearer than near, or beyond far. */
+/* False when splat `id` cannot have a fragment in any picture of this view: culled, of opacity 0,
+ * wholly nearer than near, or beyond far. */
 bool disc_setup(const struct view *view, size_t id, struct disc *disc);
 
 /* The disc's fragment on the ray through (px, py), if it has one. */

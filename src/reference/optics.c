@@ -36,7 +36,7 @@ struct vec3 surface_mirror(const struct view *view, const struct surface *surfac
     double dot = v3_dot(d, n), cosine = fmin(fabs(dot), 1);
     struct vec3 r = v3_unit(v3_sub(d, v3_scale(n, 2 * dot)));
     struct vec3 light = environment_light(view, r, (double)o->roughness);
-    return v3(mix(own.x, light.x, reflected(o, 0, cosine, dot > 0)),
-              mix(own.y, light.y, reflected(o, 1, cosine, dot > 0)),
-              mix(own.z, light.z, reflected(o, 2, cosine, dot > 0)));
+    return v3(mix(own.x, light.x, reflected(o, 0, cosine, false)),
+              mix(own.y, light.y, reflected(o, 1, cosine, false)),
+              mix(own.z, light.z, reflected(o, 2, cosine, false)));
 }

@@ -117,7 +117,7 @@ void planes_write(const struct planes *planes, const struct view *view, size_t a
         return;
     }
     write3(planes->color, at, v3_scale(pixel->color, 1 / samples));
-    write1(planes->color[3], at, pixel->hits / samples);
+    write1(planes->color[3], at, pixel->alpha / samples);
     write1(planes->z, at, s->depth);
     write3(planes->normal, at, eye_direction_to_world(&view->eye, s->normal));
     write3(planes->albedo, at, s->albedo);
@@ -125,7 +125,7 @@ void planes_write(const struct planes *planes, const struct view *view, size_t a
     write1(planes->weight, at, s->weight);
     write1(planes->fragments, at, s->count);
     write1(planes->coverage, at, pixel->hits / samples);
-    write1(planes->layers, at, 1);
+    write1(planes->layers, at, s->layers);
     if (planes->id)
         planes->id[at] = view->scene->splats.input[s->id];
 }

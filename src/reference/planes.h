@@ -15,7 +15,8 @@ struct planes {
 
 /* A pixel over its samples. */
 struct pixel {
-    struct vec3 color; /* summed */
+    struct vec3 color; /* premultiplied, summed */
+    double alpha;      /* summed */
     uint32_t hits;
     struct surface nearest; /* of the hit sample of least depth */
 };

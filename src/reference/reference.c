@@ -59,8 +59,6 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
                          params->epsilon, params->min_splat);
     if (params->environment_behind && !scene->environment.map.width)
         return log_error(env, STP_ERROR_ARGUMENT, "the scene has no environment to stand behind it");
-    if (scene->facts.transparent)
-        log_warning(env, "the reference draws every splat opaque: opacities are left out");
     return check_camera(env, camera);
 }
 
@@ -74,6 +72,7 @@ static struct view view_of(const struct stp_scene *scene, const struct stp_camer
                          .cull_back = params->cull == STP_CULL_BACK,
                          .two_sided = scene->facts.two_sided,
                          .local_viewer = params->local_viewer,
+                         .transparent = scene->facts.transparent,
                          .epsilon = params->epsilon,
                          .grid = sample_grid(params->samples) };
     view.min_splat = params->min_splat == 0 ? DEFAULT_MIN_SPLAT : fmax(0, params->min_splat);

@@ -20,6 +20,12 @@ struct vec3 splat_albedo(const struct view *view, uint32_t id)
     return v3_loadf(splats->color ? splats->color[id] : object_of(view, id)->material.albedo);
 }
 
+double splat_opacity(const struct view *view, uint32_t id)
+{
+    const float *opacity = view->scene->splats.opacity;
+    return opacity ? opacity[id] : 1;
+}
+
 static double kernel(const struct view *view, double rho2)
 {
     return view->kernel == STP_KERNEL_GAUSS ? exp(-2 * rho2) : 1 - rho2;
@@ -39,6 +45,7 @@ void sums_add(const struct view *view, struct sums *sums, uint32_t id, const str
     double weight = kernel(view, fragment->rho2);
     sums->weight += weight;
     sums->depth += weight * fragment->depth;
+    sums->opacity += weight * splat_opacity(view, id);
     sums->normal = v3_add(sums->normal, v3_scale(disc->normal, weight));
     sums->albedo = v3_add(sums->albedo, v3_scale(splat_albedo(view, id), weight));
     sums->count++;
@@ -47,8 +54,11 @@ void sums_add(const struct view *view, struct sums *sums, uint32_t id, const str
 struct surface surface_resolve(const struct view *view, const struct nearest *nearest,
                                const struct sums *sums, const struct ray *ray)
 {
-    struct surface s = { .weight = sums->weight, .count = sums->count, .id = nearest->id };
+    struct surface s = {
+        .weight = sums->weight, .count = sums->count, .id = nearest->id, .layers = 1
+    };
     bool weighs = sums->weight >= LEAST;
+    s.opacity = weighs ? sums->opacity / sums->weight : splat_opacity(view, nearest->id);
     s.depth = weighs ? sums->depth / sums->weight : nearest->depth;
     if (weighs && v3_length(sums->normal) >= LEAST) {
         s.normal = v3_unit(sums->normal);

@@ -13,20 +13,22 @@ struct nearest {
 
 /* Weighted sums over the fragments within epsilon of the nearest. */
 struct sums {
-    double weight, depth;
+    double weight, depth, opacity;
     struct vec3 normal, albedo;
     uint32_t count;
 };
 
 struct surface {
-    double depth, weight;
+    double depth, weight, opacity;
     struct vec3 normal, point; /* camera frame */
     struct vec3 albedo;
     uint32_t count, id;
+    uint32_t layers; /* of the ray, this one the nearest */
 };
 
 double splat_epsilon(const struct view *view, uint32_t id);
 struct vec3 splat_albedo(const struct view *view, uint32_t id);
+double splat_opacity(const struct view *view, uint32_t id);
 
 void nearest_take(struct nearest *nearest, uint32_t id, const struct disc *disc,
                   const struct fragment *fragment);

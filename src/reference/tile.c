@@ -2,17 +2,6 @@
 
 #include "reference/samples.h"
 
-struct tile {
-    const struct view *view;
-    const uint32_t *splat;
-    size_t count;
-    uint32_t x0, x1, y0, y1; /* pixels [x0, x1) x [y0, y1) */
-    struct scratch *scratch;
-};
-
-typedef void (*visit_fn)(const struct tile *tile, size_t at, uint32_t id, const struct disc *disc,
-                         const struct fragment *fragment);
-
 static size_t index_of(const struct tile *tile, uint32_t x, uint32_t y)
 {
     return (size_t)(y - tile->y0) * TILE + (x - tile->x0);
@@ -36,8 +25,7 @@ static void visit_disc(const struct tile *tile, uint32_t id, const struct disc *
         }
 }
 
-/* Every fragment of the current sample of every pixel, in canonical order of the splats. */
-static void visit_fragments(const struct tile *tile, visit_fn visit)
+void tile_visit(const struct tile *tile, visit_fn visit)
 {
     struct disc disc;
     for (size_t i = 0; i < tile->count; i++)
@@ -72,21 +60,38 @@ static void begin_sample(const struct tile *tile, uint32_t sample)
         }
 }
 
-static void end_sample(const struct tile *tile)
+void tile_each(const struct tile *tile, void (*each)(const struct tile *tile, size_t at))
+{
+    for (uint32_t y = tile->y0; y < tile->y1; y++)
+        for (uint32_t x = tile->x0; x < tile->x1; x++)
+            each(tile, index_of(tile, x, y));
+}
+
+void tile_hit(const struct tile *tile, size_t at, const struct surface *surface, struct vec3 color,
+              double alpha)
+{
+    struct pixel *pixel = &tile->scratch->pixel[at];
+    pixel->color = v3_add(pixel->color, color);
+    pixel->alpha += alpha;
+    if (pixel->hits++ == 0 || surface->depth < pixel->nearest.depth)
+        pixel->nearest = *surface;
+}
+
+static void end_sample(const struct tile *tile, size_t at)
 {
     struct scratch *s = tile->scratch;
-    for (uint32_t y = tile->y0; y < tile->y1; y++)
-        for (uint32_t x = tile->x0; x < tile->x1; x++) {
-            size_t at = index_of(tile, x, y);
-            struct pixel *pixel = &s->pixel[at];
-            if (s->sums[at].count == 0)
-                continue;
-            struct surface surface =
-                surface_resolve(tile->view, &s->nearest[at], &s->sums[at], &s->ray[at]);
-            pixel->color = v3_add(pixel->color, surface_shade(tile->view, &surface));
-            if (pixel->hits++ == 0 || surface.depth < pixel->nearest.depth)
-                pixel->nearest = surface;
-        }
+    if (s->sums[at].count == 0)
+        return;
+    struct surface surface =
+        surface_resolve(tile->view, &s->nearest[at], &s->sums[at], &s->ray[at]);
+    tile_hit(tile, at, &surface, surface_shade(tile->view, &surface), 1);
+}
+
+static void opaque_sample(const struct tile *tile)
+{
+    tile_visit(tile, find_nearest);
+    tile_visit(tile, sum_visible);
+    tile_each(tile, end_sample);
 }
 
 void tile_render(const struct view *view, const struct bins *bins, size_t index,
@@ -106,9 +111,10 @@ void tile_render(const struct view *view, const struct bins *bins, size_t index,
         scratch->pixel[i] = (struct pixel){ 0 };
     for (uint32_t sample = 0; tile.count && sample < view->grid * view->grid; sample++) {
         begin_sample(&tile, sample);
-        visit_fragments(&tile, find_nearest);
-        visit_fragments(&tile, sum_visible);
-        end_sample(&tile);
+        if (view->transparent)
+            tile_layers(&tile);
+        else
+            opaque_sample(&tile);
     }
     for (uint32_t y = tile.y0; y < tile.y1; y++)
         for (uint32_t x = tile.x0; x < tile.x1; x++)

@@ -10,7 +10,7 @@
 
 #define MAX_OBJECTS 65535 /* splats.object has 16 bits */
 
-static const struct stp_material default_material = { 0.1f, 0.7f, 0.2f, 32, { 0.8f, 0.8f, 0.8f } };
+static const struct stp_material default_material = SCENE_DEFAULT_MATERIAL;
 static const struct stp_light head_light = { .at_eye = true, .color = { 1, 1, 1 } };
 
 void environment_release(struct scene_environment *environment)
@@ -89,14 +89,24 @@ static enum stp_result check_object(const struct stp_env *env, const struct stp_
     if (!(object->epsilon >= 0 && object->epsilon < INFINITY))
         return log_error(env, STP_ERROR_ARGUMENT, "%s: epsilon is %g; it must be 0 or more", what,
                          object->epsilon);
-    if (!(object->opacity >= 0 && object->opacity <= 1))
+    if (!(object->opacity <= 1))
         return log_error(env, STP_ERROR_ARGUMENT, "%s: opacity is %g; it must be in [0, 1]", what,
                          (double)object->opacity);
     const struct stp_material *m = object->material;
+    if (m && !(m->opacity <= 1))
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "%s: the material's opacity is %g; it must be in [0, 1]", what,
+                         (double)m->opacity);
     if (m && (!all_finite(m->albedo, 3) ||
               !all_finite((float[]){ m->ambient, m->diffuse, m->specular, m->shininess }, 4)))
         return log_error(env, STP_ERROR_ARGUMENT, "%s: the material is not finite", what);
     return optics_check(env, object->optics);
+}
+
+/* What 0 (not set) and negative (none) mean. */
+static float opacity_of(float given)
+{
+    return given == 0 ? 1 : given < 0 ? 0 : given;
 }
 
 enum stp_result scene_add_cloud(const struct stp_env *env, struct stp_scene *scene,
@@ -120,9 +130,13 @@ enum stp_result scene_add_cloud(const struct stp_env *env, struct stp_scene *sce
         .cloud = *cloud,
         .material = object && object->material ? *object->material : default_material,
         .epsilon = object ? object->epsilon : 0,
-        .opacity = object && object->opacity > 0 ? object->opacity : 1,
+        .opacity = 1,
         .optics = optics_resolve(object ? object->optics : NULL),
     };
+    if (object)
+        objects[scene->object_count - 1].opacity =
+            opacity_of(object->opacity) *
+            (object->material ? opacity_of(object->material->opacity) : 1);
     *cloud = (struct cloud){ 0 };
     return STP_OK;
 }

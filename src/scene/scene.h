@@ -15,11 +15,21 @@ enum color_source {
     COLOR_BY_NORMAL,    /* 0.5 n + 0.5, linear */
 };
 
+/* Of objects that bring none. */
+#define SCENE_DEFAULT_MATERIAL                                                                     \
+    {                                                                                              \
+        .ambient = 0.1f, .diffuse = 0.7f, .specular = 0.2f, .shininess = 32, .albedo = {           \
+            0.8f,                                                                                  \
+            0.8f,                                                                                  \
+            0.8f                                                                                   \
+        }                                                                                          \
+    }
+
 struct scene_object {
     struct cloud cloud; /* released by prepare */
     struct stp_material material;
     double epsilon; /* 0 until prepare resolves it to the median radius of the object */
-    float opacity;  /* in splats.opacity too, multiplied, once prepared */
+    float opacity;  /* [0, 1], with the material's; in splats.opacity too, once prepared */
     enum color_source color_source;
     struct stp_optics optics; /* every field as it is meant: defaults filled in */
 };

@@ -69,13 +69,25 @@ char *scene_json_path(const char *scene_path, const char *file)
 }
 
 static enum stp_result get_positive(const struct json_at *at, const cJSON *object, const char *key,
-                                    double most, double *value)
+                                    double *value)
 {
     enum stp_result result = json_get_number(at, object, key, value);
-    if (result == STP_OK && json_has(object, key) && !(*value > 0 && *value <= most))
-        return json_error(at, key,
-                          most == 1 ? "more than 0 and at most 1 is needed" : "must be positive");
+    if (result == STP_OK && json_has(object, key) && !(*value > 0))
+        return json_error(at, key, "must be positive");
     return result;
+}
+
+/* In [0, 1]; what the file says of 0 is the negative of the params. */
+static enum stp_result get_opacity(const struct json_at *at, const cJSON *object, float *opacity)
+{
+    double value = 0;
+    enum stp_result result = json_get_number(at, object, "opacity", &value);
+    if (result != STP_OK || !json_has(object, "opacity"))
+        return result;
+    if (!(value >= 0 && value <= 1))
+        return json_error(at, "opacity", "a number from 0 to 1 is needed");
+    *opacity = (float)value > 0 ? (float)value : -1;
+    return STP_OK;
 }
 
 static enum stp_result get_color(const struct json_at *at, const cJSON *object, const char *key,
@@ -94,11 +106,12 @@ static enum stp_result get_color(const struct json_at *at, const cJSON *object, 
 static enum stp_result get_material(const struct json_at *at, const cJSON *item,
                                     struct stp_material *material)
 {
-    struct stp_material read = { 0.1f, 0.7f, 0.2f, 32, { 0.8f, 0.8f, 0.8f } };
+    struct stp_material read = SCENE_DEFAULT_MATERIAL;
     const char *keys[4] = { "ambient", "diffuse", "specular", "shininess" };
     float *values[4] = { &read.ambient, &read.diffuse, &read.specular, &read.shininess };
     enum stp_result result =
-        json_check_object(at, item, "ambient diffuse specular shininess albedo " OPTICS_KEYS);
+        json_check_object(at, item,
+                          "ambient diffuse specular shininess albedo opacity " OPTICS_KEYS);
     for (int i = 0; i < 4 && result == STP_OK; i++) {
         result = json_get_float(at, item, keys[i], values[i]);
         if (result == STP_OK && *values[i] < 0)
@@ -106,6 +119,8 @@ static enum stp_result get_material(const struct json_at *at, const cJSON *item,
     }
     if (result == STP_OK)
         result = get_color(at, item, "albedo", read.albedo);
+    if (result == STP_OK)
+        result = get_opacity(at, item, &read.opacity);
     if (result == STP_OK)
         *material = read;
     return result;
@@ -143,7 +158,6 @@ static enum stp_result get_look(const struct json_at *at, const cJSON *item,
                                         { NULL, 0 } };
     struct stp_load_params *p = &entry->params;
     const struct stp_load_params given = *p;
-    double opacity = p->opacity;
     int transfer = STP_TRANSFER_AUTO;
     const cJSON *material = cJSON_GetObjectItemCaseSensitive(item, "material");
     enum stp_result result = STP_OK;
@@ -154,9 +168,9 @@ static enum stp_result get_look(const struct json_at *at, const cJSON *item,
             result = optics_from_json(&below, material, &entry->optics);
     }
     if (result == STP_OK)
-        result = get_positive(at, item, "epsilon", INFINITY, &p->epsilon);
+        result = get_positive(at, item, "epsilon", &p->epsilon);
     if (result == STP_OK)
-        result = get_positive(at, item, "opacity", 1, &opacity);
+        result = get_opacity(at, item, &p->opacity);
     if (result == STP_OK)
         result = json_get_string(at, item, "color_by", &p->color_by);
     if (result == STP_OK)
@@ -167,7 +181,7 @@ static enum stp_result get_look(const struct json_at *at, const cJSON *item,
     entry->optics = optics_merge(&entry->optics, given.optics);
     p->optics = &entry->optics;
     p->epsilon = given.epsilon > 0 ? given.epsilon : p->epsilon;
-    p->opacity = given.opacity > 0 ? given.opacity : (float)opacity;
+    p->opacity = given.opacity != 0 ? given.opacity : p->opacity;
     p->color_by = given.color_by ? given.color_by : p->color_by;
     p->transfer = given.transfer ? given.transfer : (enum stp_transfer)transfer;
     return STP_OK;

@@ -15,9 +15,9 @@ struct stp_scene *scene_make(size_t capacity, unsigned objects, double epsilon)
     scene->objects = must(mem_zalloc(objects, sizeof *scene->objects));
     scene->object_count = objects;
     for (unsigned i = 0; i < objects; i++)
-        scene->objects[i] = (struct scene_object){
-            .material = { .1f, .7f, .2f, 32, { .8f, .8f, .8f } }, .epsilon = epsilon, .opacity = 1
-        };
+        scene->objects[i] = (struct scene_object){ .material = SCENE_DEFAULT_MATERIAL,
+                                                   .epsilon = epsilon,
+                                                   .opacity = 1 };
     struct splats *s = &scene->splats;
     s->position = must(mem_zalloc(capacity, sizeof *s->position));
     s->normal = must(mem_zalloc(capacity, sizeof *s->normal));

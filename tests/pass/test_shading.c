@@ -72,8 +72,13 @@ static void test_objects(void **state)
     struct stp_scene *scene = sheet(3);
     scene->objects[0].epsilon = 0.02;
     scene->objects[2].epsilon = 0.5;
-    scene->objects[1].material = (struct stp_material){ .3f, .2f, .9f, 7.5f, { .1f, .9f, .4f } };
-    scene->objects[2].material = (struct stp_material){ 0, 1, 0, 1, { 1, 0, 0 } };
+    scene->objects[1].material = (struct stp_material){ .ambient = .3f,
+                                                        .diffuse = .2f,
+                                                        .specular = .9f,
+                                                        .shininess = 7.5f,
+                                                        .albedo = { .1f, .9f, .4f } };
+    scene->objects[2].material =
+        (struct stp_material){ .diffuse = 1, .shininess = 1, .albedo = { 1, 0, 0 } };
     for (size_t i = 0; i < SPLATS; i++) { /* as prepare does where albedos differ */
         const float *c = scene->objects[i % 3].material.albedo;
         scene_paint(scene, i, c[0], c[1], c[2]);

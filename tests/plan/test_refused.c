@@ -81,6 +81,22 @@ static void too_many_samples(struct inputs *in)
 {
     in->params.samples = 65537;
 }
+static void transparent(struct inputs *in)
+{
+    in->scene->facts.transparent = true;
+}
+static void exact_for_peel(struct inputs *in)
+{
+    transparent(in);
+    in->params.method = STP_METHOD_EXACT;
+    in->params.transparency = STP_TRANSPARENCY_PEEL;
+}
+static void two_pass_for_fast(struct inputs *in)
+{
+    transparent(in);
+    in->params.method = STP_METHOD_TWO_PASS;
+    in->params.transparency = STP_TRANSPARENCY_FAST;
+}
 static void little_memory(struct inputs *in)
 {
     in->params.memory_limit = 1000;
@@ -124,6 +140,8 @@ static const struct {
     { focal_length_nan, STP_ERROR_ARGUMENT, "focal" },
     { samples_by_raster, STP_ERROR_ARGUMENT, "one sample" },
     { too_many_samples, STP_ERROR_ARGUMENT, "65537" },
+    { exact_for_peel, STP_ERROR_ARGUMENT, "method two-pass does" },
+    { two_pass_for_fast, STP_ERROR_ARGUMENT, "method deferred does" },
     { little_memory, STP_ERROR_DEVICE_MEMORY, "tile" },
     { little_heap, STP_ERROR_DEVICE_MEMORY, "3000 bytes" },
     { not_prepared, STP_ERROR_ARGUMENT, "prepared" },

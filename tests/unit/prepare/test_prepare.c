@@ -161,8 +161,8 @@ static void several_objects(void **state)
         color[i][0] = color[i][1] = color[i][2] = 0.125f;
         radius[i] = 0.25f;
     }
-    struct stp_material red = { 0.1f, 0.7f, 0, 0, { 1, 0, 0 } };
-    struct stp_object_params first = { &red, 0.5, 0.5f };
+    struct stp_material red = { .ambient = 0.1f, .diffuse = 0.7f, .albedo = { 1, 0, 0 } };
+    struct stp_object_params first = { .material = &red, .epsilon = 0.5, .opacity = 0.5f };
     struct stp_points points = { .count = 1000, .position = (const double(*)[3])a.position };
     struct stp_points others = {
         500,    (const double(*)[3])b.position, (const float(*)[3])b.normal,
@@ -190,6 +190,7 @@ static void several_objects(void **state)
     assert_true(scene->objects[0].material.specular == 0 &&
                 scene->objects[0].material.shininess == 0);
     assert_true(scene->facts.transparent && !scene->facts.has_opacity);
+    assert_true(scene->facts.mixed && scene->facts.uniform_opacity);
     assert_int_equal(scene->facts.objects, 3);
     assert_int_equal(scene->facts.normals, STP_NORMALS_ESTIMATED);
     stp_scene_destroy(&scene);
@@ -221,6 +222,71 @@ static void colors_made(void **state)
         stp_scene_destroy(&scene);
     }
     samples_release(&a);
+}
+
+/* The points' own, times the material's, times the object's; negative is none, 0 is not set. */
+static void opacities_multiply(void **state)
+{
+    static const struct {
+        float material, object, first; /* of the first point, whose own is 0.5 */
+        bool mixed, uniform;
+    } cases[] = { { 0, 0, 0.5f, true, false },      { 0.5f, 0, 0.25f, false, false },
+                  { 0, 0.5f, 0.25f, false, false }, { 0.5f, 0.5f, 0.125f, false, false },
+                  { -1, 0.5f, 0, false, true },     { 0, -1, 0, false, true } };
+    double p[2][3] = { { 0 }, { 1 } };
+    float opacity[2] = { 0.5f, 1 };
+    struct stp_points points = { .count = 2, .position = (const double(*)[3])p };
+    for (size_t k = 0; k < 2 * sizeof cases / sizeof *cases; k++) {
+        bool own = k % 2;
+        struct stp_material material = { .opacity = cases[k / 2].material };
+        struct stp_object_params object = { .material = &material, .opacity = cases[k / 2].object };
+        struct stp_scene *scene;
+        points.opacity = own ? opacity : NULL;
+        stp_scene_create(NULL, &scene);
+        assert_int_equal(stp_scene_add_points(NULL, scene, &points, &object), STP_OK);
+        assert_int_equal(stp_scene_prepare(NULL, scene, NULL), STP_OK);
+        const struct stp_facts *f = &scene->facts;
+        float expected = own ? cases[k / 2].first : 2 * cases[k / 2].first;
+        assert_true(f->transparent == (expected < 1) && f->opacity_min == expected);
+        assert_true(f->uniform_opacity == (!own || cases[k / 2].uniform));
+        assert_true(f->mixed == (own && cases[k / 2].mixed));
+        assert_true((scene->splats.opacity != NULL) == f->transparent);
+        for (size_t i = 0; f->transparent && i < 2; i++)
+            assert_true(scene->splats.opacity[i] ==
+                        (own && scene->splats.input[i] == 1 ? 2 * expected : expected));
+        stp_scene_destroy(&scene);
+    }
+}
+
+/* Coincident points that differ in opacity alone: the same order from any order of the file. */
+static void opacity_orders(void **state)
+{
+    double p[64][3] = { { 0 } };
+    float normal[64][3], radius[64], opacity[64];
+    float sorted[2][64];
+    for (int turn = 0; turn < 2; turn++) {
+        for (int i = 0; i < 64; i++) {
+            int from = turn ? (i * 37 + 11) % 64 : i;
+            p[i][0] = from % 2;
+            memcpy(normal[i], (float[3]){ 0, 0, 1 }, sizeof normal[i]);
+            radius[i] = 1;
+            opacity[i] = (float)from / 64;
+        }
+        struct stp_points points = {
+            64, (const double(*)[3])p, (const float(*)[3])normal, radius, NULL, opacity
+        };
+        struct stp_object_params half = { .opacity = 0.5f };
+        struct stp_scene *scene;
+        stp_scene_create(NULL, &scene);
+        stp_scene_add_points(NULL, scene, &points, &half);
+        assert_int_equal(stp_scene_prepare(NULL, scene, NULL), STP_OK);
+        assert_int_equal(scene->facts.duplicates, 0);
+        memcpy(sorted[turn], scene->splats.opacity, sizeof sorted[turn]);
+        stp_scene_destroy(&scene);
+    }
+    assert_memory_equal(sorted[0], sorted[1], sizeof sorted[0]);
+    for (int i = 1; i < 32; i++)
+        assert_true(sorted[0][i] > sorted[0][i - 1]);
 }
 
 /* Attributes that are no numbers, and opacities that are all 1. */
@@ -274,7 +340,7 @@ static bool try_with_failure(unsigned long n, const struct input *in)
                                  in->radius + 500,
                                  NULL,
                                  NULL };
-    struct stp_object_params object = { NULL, 0, 0.5f };
+    struct stp_object_params object = { .opacity = 0.5f };
     struct stp_scene *scene = NULL;
     mem_fail_at(n);
     enum stp_result result = stp_scene_create(&env, &scene);
@@ -311,6 +377,8 @@ int main(void)
         cmocka_unit_test(clip_box),
         cmocka_unit_test(several_objects),
         cmocka_unit_test(colors_made),
+        cmocka_unit_test(opacities_multiply),
+        cmocka_unit_test(opacity_orders),
         cmocka_unit_test(attributes_are_cleaned),
         cmocka_unit_test(no_points),
         cmocka_unit_test(survives_no_memory),

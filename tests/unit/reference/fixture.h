@@ -21,7 +21,7 @@ struct fixture {
     struct stp_scene scene;
     struct scene_object objects[2];
     double position[MOST][3];
-    float normal[MOST][3], radius[MOST], color[MOST][3];
+    float normal[MOST][3], radius[MOST], color[MOST][3], opacity[MOST];
     uint16_t object[MOST];
     uint32_t input[MOST];
 };
@@ -32,7 +32,7 @@ static inline struct fixture *fixture_create(double epsilon)
     struct fixture *f = calloc(1, sizeof *f);
     assert_non_null(f);
     for (int i = 0; i < 2; i++)
-        f->objects[i] = (struct scene_object){ .material = { .1f, .7f, .2f, 32, { .8f, .8f, .8f } },
+        f->objects[i] = (struct scene_object){ .material = SCENE_DEFAULT_MATERIAL,
                                                .epsilon = epsilon,
                                                .opacity = 1 };
     f->scene.objects = f->objects;
@@ -62,6 +62,16 @@ static inline void paint(struct fixture *f, size_t i, float r, float g, float b)
 {
     f->scene.splats.color = f->color;
     memcpy(f->color[i], (float[3]){ r, g, b }, sizeof f->color[i]);
+}
+
+/* Others stay opaque. */
+static inline void fade(struct fixture *f, size_t i, float opacity)
+{
+    for (size_t k = 0; k < MOST && !f->scene.splats.opacity; k++)
+        f->opacity[k] = 1;
+    f->scene.splats.opacity = f->opacity;
+    f->scene.facts.transparent = true;
+    f->opacity[i] = opacity;
 }
 
 /* At the origin, looking down -Z. */

@@ -121,7 +121,10 @@ static void several_objects(void **state)
         struct fixture *f = fixture_create(0.1);
         struct stp_camera camera = flat_camera(1, 1, 1);
         struct stp_render_params params = exact_params();
-        f->objects[1] = (struct scene_object){ .material = { .5f, .25f, 0, 1, { .2f, .4f, .6f } },
+        f->objects[1] = (struct scene_object){ .material = { .ambient = .5f,
+                                                             .diffuse = .25f,
+                                                             .shininess = 1,
+                                                             .albedo = { .2f, .4f, .6f } },
                                                .epsilon = 1 };
         f->scene.splats.object = f->object;
         add_splat(f, v3(0, 0, -10), v3(0, 0, 1), 5);

@@ -69,7 +69,9 @@ static void test_whole(void **state)
 /* The caller's params win over the file. */
 static void test_params_win(void **state)
 {
-    const struct stp_material material = { 1, 1, 1, 1, { 1, 1, 1 } };
+    const struct stp_material material = {
+        .ambient = 1, .diffuse = 1, .specular = 1, .shininess = 1, .albedo = { 1, 1, 1 }
+    };
     const struct stp_load_params params = {
         .up = STP_UP_X, .material = &material, .epsilon = 3, .opacity = 0.25f
     };
@@ -135,7 +137,10 @@ static void test_mistakes(void **state)
         { "{\"points\": [{}]}", "points[0].file: the path" },
         { "{\"points\": [{\"file\": 3}]}", "points[0].file: a string" },
         { "{\"points\": [\"a.ply\", {\"file\": \"a.ply\", \"epsilon\": 0}]}", "points[1].epsilon" },
-        { "{\"points\": [{\"file\": \"a.ply\", \"opacity\": 2}]}", "opacity: more than 0 and at" },
+        { "{\"points\": [{\"file\": \"a.ply\", \"opacity\": 2}]}",
+          "opacity: a number from 0 to 1" },
+        { "{\"points\": [{\"file\": \"a.ply\", \"material\": {\"opacity\": -0.1}}]}",
+          "points[0].material.opacity: a number from 0 to 1" },
         { "{\"points\": [{\"file\": \"a.ply\", \"material\": 1}]}", "points[0].material." },
         { "{\"points\": [{\"file\": \"a.ply\", \"material\": {\"albedo\": [1]}}]}",
           "points[0].material.albedo: an array of 3" },

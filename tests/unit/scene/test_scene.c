@@ -52,11 +52,11 @@ static void zeros_are_taken_as_given(void **state)
 
 static void bad_objects_change_nothing(void **state)
 {
-    struct stp_material nan = { .ambient = NAN };
-    const struct stp_object_params bad[] = { { .epsilon = -1 },
-                                             { .epsilon = NAN },
-                                             { .opacity = 2 },
-                                             { .opacity = NAN },
+    struct stp_material nan = { .ambient = NAN }, dense = { .opacity = 2 };
+    struct stp_material unclear = { .opacity = NAN };
+    const struct stp_object_params bad[] = { { .epsilon = -1 },      { .epsilon = NAN },
+                                             { .opacity = 2 },       { .opacity = NAN },
+                                             { .material = &dense }, { .material = &unclear },
                                              { .material = &nan } };
     struct stp_scene *scene;
     stp_scene_create(NULL, &scene);
