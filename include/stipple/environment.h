@@ -28,17 +28,17 @@ struct stp_environment_params {
 };
 
 /* A latitude-longitude map: OpenEXR (any compression; scanlines or tiles) or Radiance .hdr. Its top
- * is the scene's up; its centre is where `--view front` looks, and what is right of the centre is on
- * that view's right. Before or after stp_scene_prepare; it takes the place of an earlier one. */
-STP_API enum stp_result stp_scene_load_environment(const struct stp_env *env, struct stp_scene *scene,
-                                           const char *path,
-                                           const struct stp_environment_params *params);
+ * is the scene's up; its centre is where `--view front` looks, and what is right of the centre is
+ * on that view's right. Before or after stp_scene_prepare; it takes the place of an earlier one. */
+STP_API enum stp_result stp_scene_load_environment(const struct stp_env *env,
+                                                   struct stp_scene *scene, const char *path,
+                                                   const struct stp_environment_params *params);
 /* The same from memory, linear, rows from the top; borrowed for the call only. texel NULL: takes
  * the environment away. */
-STP_API enum stp_result
-stp_scene_set_environment(const struct stp_env *env, struct stp_scene *scene, uint32_t width,
-                          uint32_t height, const float (*texel)[3],
-                          const struct stp_environment_params *params);
+STP_API enum stp_result stp_scene_set_environment(const struct stp_env *env,
+                                                  struct stp_scene *scene, uint32_t width,
+                                                  uint32_t height, const float (*texel)[3],
+                                                  const struct stp_environment_params *params);
 
 #ifdef __cplusplus
 }

@@ -1,5 +1,5 @@
-/* Radiance pictures (.hdr, .pic): a text header, a resolution line, RGBE scanlines that are flat, or
- * run-length coded in the old or the new way. */
+/* Radiance pictures (.hdr, .pic): a text header, a resolution line, RGBE scanlines that are flat,
+ * or run-length coded in the old or the new way. */
 #include "load/environment.h"
 
 #include <math.h>

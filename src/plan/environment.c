@@ -38,6 +38,5 @@ void plan_environment(struct stp_plan *plan, const struct stp_scene *scene)
     store(f->environment_frame + 6, f->rotation64, frame.centre);
     for (unsigned i = 0; i < e->level_count; i++)
         f->environment_levels[i] = (struct stp_level_gpu){ (uint32_t)e->level[i].first,
-                                                           e->level[i].width,
-                                                           e->level[i].height };
+                                                           e->level[i].width, e->level[i].height };
 }

@@ -156,8 +156,7 @@ enum stp_result stp_scene_load_environment(const struct stp_env *env, struct stp
 }
 
 enum stp_result stp_scene_set_environment(const struct stp_env *env, struct stp_scene *scene,
-                                          uint32_t width, uint32_t height,
-                                          const float (*texel)[3],
+                                          uint32_t width, uint32_t height, const float (*texel)[3],
                                           const struct stp_environment_params *params)
 {
     static const char what[] = "the environment";

@@ -12,8 +12,8 @@
 #include "base/thread.h"
 
 #define PI             3.14159265358979323846
-#define TEXELS_A_SIGMA 3.6   /* of a level, in its lobe's standard deviation */
-#define CUT            10.0  /* weights below exp(-CUT) are left out: 5e-5 of the lobe */
+#define TEXELS_A_SIGMA 3.6  /* of a level, in its lobe's standard deviation */
+#define CUT            10.0 /* weights below exp(-CUT) are left out: 5e-5 of the lobe */
 #define LEAST_HEIGHT   48
 #define MOST_HEIGHT    1024
 
@@ -40,7 +40,7 @@ void environment_level_size(const struct environment_map *map, float roughness, 
         *width = (*width + map->width - 1) / map->width * map->width;
 }
 
-/* --- a coarser map: means weighted by solid angle ------------------------------------------- */
+/* --- a coarser map: tents weighted by solid angle ------------------------------------------- */
 
 struct shrinking {
     const struct environment_map *in, *out;
@@ -51,30 +51,65 @@ static double row_angle(uint32_t height, double top, double bottom)
     return cos(top * PI / height) - cos(bottom * PI / height);
 }
 
-/* Adds weight times the mean of columns [from, to) of row j. */
-static void add_mean(const struct environment_map *map, uint32_t j, double from, double to,
-                     double weight, double sum[3])
+/* The share of coarse texel `at` in what lies at `place`, in coarse texels: a tent, so that a small
+ * sun keeps its place. */
+static double tent(double place, uint32_t at)
 {
-    for (uint32_t i = (uint32_t)from; i < to && i < map->width; i++) {
-        const float *texel = map->texel[(size_t)j * map->width + i];
-        double share = weight * (fmin(i + 1.0, to) - fmax(i, from)) / (to - from);
+    return fmax(0, 1 - fabs(place - (at + 0.5)));
+}
+
+/* What a coarse row gets of a row of the map: solid angle. What is nearer to a pole than the first
+ * row's centre is that row's. */
+static double row_share(uint32_t height, uint32_t j, uint32_t coarse_height, uint32_t y)
+{
+    double place = (j + 0.5) * coarse_height / height;
+    return row_angle(height, j, j + 1.0) * tent(fmin(fmax(place, 0.5), coarse_height - 0.5), y);
+}
+
+/* The rows [*first, end) that have a share in coarse row y; returns end. */
+static uint32_t rows_of(uint32_t height, uint32_t coarse_height, uint32_t y, uint32_t *first)
+{
+    double ratio = (double)height / coarse_height;
+    *first = (uint32_t)fmax(0, floor((y - 0.5) * ratio));
+    return (uint32_t)fmin(ceil((y + 1.5) * ratio), height);
+}
+
+/* Of all texels of a coarse row, times the number of coarse columns. */
+static double coarse_angle(uint32_t height, uint32_t coarse_height, uint32_t y)
+{
+    uint32_t j, end = rows_of(height, coarse_height, y, &j);
+    double sum = 0;
+    for (; j < end; j++)
+        sum += row_share(height, j, coarse_height, y);
+    return sum;
+}
+
+/* Adds what coarse column x gets of row j. */
+static void add_columns(const struct environment_map *in, uint32_t j, uint32_t x, double ratio,
+                        double weight, double sum[3])
+{
+    int64_t first = (int64_t)floor((x - 0.5) * ratio), last = (int64_t)ceil((x + 1.5) * ratio);
+    for (int64_t i = first; i < last; i++) {
+        double share = weight * tent(((double)i + 0.5) / ratio, x) / ratio;
+        int64_t column = i < 0 ? i + in->width : i < in->width ? i : i - in->width;
+        const float *texel = in->texel[(size_t)j * in->width + (size_t)column];
         for (int k = 0; k < 3; k++)
             sum[k] += share * (double)texel[k];
     }
 }
 
+/* Light is kept, not the mean of what happens to lie under a tent: where rows and columns beat with
+ * those of the map, the lobe evens it out. */
 static void shrink_texel(const struct shrinking *s, uint32_t x, uint32_t y)
 {
     const struct environment_map *in = s->in, *out = s->out;
-    double rows = (double)in->height / out->height, columns = (double)in->width / out->width;
-    double total = 0, sum[3] = { 0 }, top = y * rows, bottom = (y + 1) * rows;
-    for (uint32_t j = (uint32_t)top; j < bottom && j < in->height; j++) {
-        double angle = row_angle(in->height, fmax(j, top), fmin(j + 1.0, bottom));
-        total += angle;
-        add_mean(in, j, x * columns, (x + 1) * columns, angle, sum);
-    }
+    double sum[3] = { 0 }, angle = coarse_angle(in->height, out->height, y);
+    uint32_t j, end = rows_of(in->height, out->height, y, &j);
+    for (; j < end; j++)
+        add_columns(in, j, x, (double)in->width / out->width,
+                    row_share(in->height, j, out->height, y), sum);
     for (int k = 0; k < 3; k++)
-        out->texel[(size_t)y * out->width + x][k] = (float)(sum[k] / total);
+        out->texel[(size_t)y * out->width + x][k] = (float)(sum[k] / angle);
 }
 
 static void shrink_rows(void *context, size_t begin, size_t end, unsigned worker)
@@ -88,7 +123,7 @@ static void shrink_rows(void *context, size_t begin, size_t end, unsigned worker
 /* --- the lobe --------------------------------------------------------------------------------- */
 
 struct lobe {
-    const struct environment_map *source;
+    const struct environment_map *map, *source;
     const struct environment_level *level;
     float scale, (*texel)[3];
     double kappa;
@@ -113,10 +148,11 @@ static double add_row(const struct lobe *l, double theta, double phase, uint32_t
     const struct environment_map *source = l->source;
     double from = (j + 0.5) * PI / source->height, step = 2 * PI / source->width, total = 0;
     double along = cos(theta) * cos(from), across = sin(theta) * sin(from);
-    double angle = row_angle(source->height, j, j + 1.0);
     double reach = (1 - CUT / l->kappa - along) / across; /* least cosine of the longitudes */
     if (l->kappa * (1 - along - across) > CUT)
         return 0;
+    double angle = source == l->map ? row_angle(source->height, j, j + 1.0)
+                                    : coarse_angle(l->map->height, source->height, j);
     int64_t half = source->width / 2, last = source->width - half - 1, most = half;
     if (reach > -1)
         most = (int64_t)(acos(fmin(reach, 1)) / step) + 1;
@@ -155,19 +191,14 @@ static void fill_rows(void *context, size_t begin, size_t end, unsigned worker)
         fill_row(l, (uint32_t)y, l->sums + (size_t)worker * l->source->width * 3);
 }
 
-/* The map at the level's resolution; or the map itself where that has no more texels. */
-static enum stp_result make_source(const struct stp_env *env, const struct environment_map *map,
-                                   const struct environment_level *level,
-                                   struct environment_map *source)
+static enum stp_result shrink(const struct stp_env *env, const struct environment_map *map,
+                              const struct environment_level *level, struct environment_map *shrunk)
 {
-    *source = *map;
-    if (!is_shrunk(map, level->width, level->height))
-        return STP_OK;
+    struct shrinking s = { map, shrunk };
     enum stp_result result = environment_allocate(env, "a level of the environment", level->width,
-                                                  level->height, source);
-    struct shrinking s = { map, source };
+                                                  level->height, shrunk);
     if (result == STP_OK)
-        parallel_for(env, source->height, 4, shrink_rows, &s);
+        parallel_for(env, shrunk->height, 4, shrink_rows, &s);
     return result;
 }
 
@@ -175,20 +206,29 @@ static enum stp_result fill_rough(const struct stp_env *env, const struct enviro
                                   const struct environment_level *level, float scale,
                                   float (*texel)[3])
 {
-    struct environment_map source;
-    enum stp_result result = make_source(env, map, level, &source);
+    struct environment_map shrunk = *map;
+    const struct environment_map *source = map;
+    enum stp_result result = STP_OK;
+    if (is_shrunk(map, level->width, level->height)) {
+        result = shrink(env, map, level, &shrunk);
+        source = &shrunk;
+    }
     if (result != STP_OK)
         return result;
-    size_t floats = (size_t)thread_count(env) * source.width * 3;
-    struct lobe lobe = { &source, level, scale, texel, 1 / variance(map, level->roughness),
-                         mem_alloc(floats, sizeof(float)) };
+    size_t floats = (size_t)thread_count(env) * source->width * 3;
+    /* The tents of a coarser copy have spread the light by this much already. */
+    double spread = PI / source->height, done = source == map ? 0 : spread * spread / 6;
+    double kappa = 1 / (variance(map, level->roughness) - done);
+    struct lobe lobe = {
+        map, source, level, scale, texel, kappa, mem_alloc(floats, sizeof(float))
+    };
     if (lobe.sums)
         parallel_for(env, level->height, 1, fill_rows, &lobe);
     else
         result = log_no_memory(env, floats * sizeof(float), "a row of the environment");
     mem_free(lobe.sums);
-    if (source.texel != map->texel)
-        environment_map_release(&source);
+    if (source != map)
+        environment_map_release(&shrunk);
     return result;
 }
 

@@ -2,8 +2,8 @@
 
 #include "scene/axes.h"
 
-#define PI     3.14159265358979323846
-#define FAINT  30.0 /* a weight of exp(-30) adds nothing */
+#define PI    3.14159265358979323846
+#define FAINT 30.0 /* a weight of exp(-30) adds nothing */
 
 /* World direction to longitude (from the map's centre, to the right) and polar angle. */
 static void angles_of(const struct view *view, struct vec3 d, double *longitude, double *polar)
@@ -42,7 +42,8 @@ static struct vec3 along(const struct environment_map *map, double x, int64_t y)
     return lerp(texel(map, left, y), texel(map, left + 1, y), x - (double)left);
 }
 
-/* Between rows of centres; beyond the first and the last towards the pole's mean, half a row off. */
+/* Between rows of centres; beyond the first and the last towards the pole's mean, half a row off.
+ */
 static struct vec3 sharp(const struct environment_map *map, double longitude, double polar)
 {
     int64_t last = (int64_t)map->height - 1;
