@@ -132,9 +132,11 @@ bool value_features(const struct option_spec *spec, const char *text, void *targ
 bool value_size(const struct option_spec *spec, const char *text, void *target);
 bool value_view(const struct option_spec *spec, const char *text, void *target);
 bool value_clip_box(const struct option_spec *spec, const char *text, void *target);
+bool value_volume_dims(const struct option_spec *spec, const char *text, void *target);
+bool value_volume_spacing(const struct option_spec *spec, const char *text, void *target);
 bool value_background(const struct option_spec *spec, const char *text, void *target);
 bool value_frames(const struct option_spec *spec, const char *text, void *target);
-bool value_optics(const struct option_spec *spec, const char *text, void *target);  /* float[] */
+bool value_optics(const struct option_spec *spec, const char *text, void *target);    /* float[] */
 bool value_intensity(const struct option_spec *spec, const char *text, void *target); /* float */
 bool value_opacity(const struct option_spec *spec, const char *text, void *target);
 bool value_min_splat(const struct option_spec *spec, const char *text, void *target);

@@ -40,8 +40,10 @@ static void note(struct problems *problems, size_t count, const char *one, const
 
 static void find_problems(const struct stp_facts *facts, struct problems *problems)
 {
-    note(problems, facts->not_finite, "point is not finite: dropped",
-         "points are not finite: dropped");
+    bool volume = facts->volume.dims[0] > 0;
+    note(problems, facts->not_finite,
+         volume ? "voxel is not finite: left out" : "point is not finite: dropped",
+         volume ? "voxels are not finite: left out" : "points are not finite: dropped");
     note(problems, facts->duplicates, "splat is an exact copy of another: kept",
          "splats are exact copies of others: kept");
     note(problems, facts->bad_normals, "normal is zero or not finite: estimated instead",
@@ -142,6 +144,8 @@ static void print_shape(const struct stp_facts *facts)
 /* Aerial scans are often z up in formats that do not say so. */
 static bool lies_flat(const struct stp_facts *facts)
 {
+    if (facts->volume.dims[0])
+        return false;
     const double *b = facts->bounds;
     return facts->up == STP_UP_Y && b[5] - b[2] < 0.3 * fmin(b[3] - b[0], b[4] - b[1]);
 }
@@ -174,15 +178,41 @@ static void print_surface(const struct stp_facts *facts)
     }
 }
 
+static void print_volume(const struct stp_facts *facts)
+{
+    const struct stp_volume_facts *v = &facts->volume;
+    const double size[3] = { v->dims[0] * v->spacing[0], v->dims[1] * v->spacing[1],
+                             v->dims[2] * v->spacing[2] };
+    static const char *const up[] = { "?", "x", "y", "z", "-y" };
+    row("voxels");
+    printf("%zu: %u x %u x %u\n", facts->points, v->dims[0], v->dims[1], v->dims[2]);
+    row("spacing");
+    printf("%.6g x %.6g x %.6g\n", v->spacing[0], v->spacing[1], v->spacing[2]);
+    row("size");
+    printf("%.6g x %.6g x %.6g, up is %s\n", size[0], size[1], size[2], up[facts->up]);
+    row("values");
+    printf("%.6g to %.6g\n", v->low, v->high);
+    row("transfer");
+    printf("%s: opacity up to %.3g per unit of the finest spacing\n", v->transfer_function,
+           v->opacity_max);
+    row("kernels");
+    printf("%zu voxels have any opacity (%.1f %%)\n", facts->splats,
+           100.0 * (double)facts->splats / (double)facts->points);
+}
+
 static void print_text(const char *path, const struct stp_facts *facts,
                        const struct problems *problems, const struct intent *intent)
 {
     printf("%s\n", path);
     row("format");
     printf("%s\n", facts->format);
-    print_points(facts);
-    print_shape(facts);
-    print_surface(facts);
+    if (facts->volume.dims[0]) {
+        print_volume(facts);
+    } else {
+        print_points(facts);
+        print_shape(facts);
+        print_surface(facts);
+    }
     row("wrong");
     if (!problems->count)
         printf("nothing\n");
@@ -244,6 +274,20 @@ static void add_shape(cJSON *json, const struct stp_facts *facts)
     cJSON_AddBoolToObject(json, "positional_lights", facts->positional_lights);
 }
 
+static void add_volume(cJSON *json, const struct stp_volume_facts *v)
+{
+    const double dims[3] = { v->dims[0], v->dims[1], v->dims[2] };
+    if (!v->dims[0])
+        return;
+    cJSON *volume = cJSON_AddObjectToObject(json, "volume");
+    cJSON_AddItemToObject(volume, "dims", cJSON_CreateDoubleArray(dims, 3));
+    cJSON_AddItemToObject(volume, "spacing", cJSON_CreateDoubleArray(v->spacing, 3));
+    cJSON_AddNumberToObject(volume, "low", v->low);
+    cJSON_AddNumberToObject(volume, "high", v->high);
+    cJSON_AddNumberToObject(volume, "opacity_max", v->opacity_max);
+    cJSON_AddStringToObject(volume, "transfer_function", v->transfer_function);
+}
+
 static cJSON *make_json(const char *path, const struct stp_facts *facts,
                         const struct problems *problems, const struct intent *intent)
 {
@@ -252,6 +296,7 @@ static cJSON *make_json(const char *path, const struct stp_facts *facts,
     cJSON_AddStringToObject(json, "format", facts->format);
     add_counts(json, facts);
     add_shape(json, facts);
+    add_volume(json, &facts->volume);
     cJSON *wrong = cJSON_AddArrayToObject(json, "wrong");
     for (unsigned i = 0; i < problems->count; i++)
         cJSON_AddItemToArray(wrong, cJSON_CreateString(problems->line[i]));

@@ -15,6 +15,7 @@
 #define REPORT   COMMAND_REPORT
 #define PICTURE  (RENDER | PLAN)
 #define VIEW     (RENDER | PLAN | REPORT)
+#define VOLUMES  (INFO | RENDER | PLAN)
 #define POINTS   (RENDER | PLAN | PREPARE | REPORT)
 #define ALL      (INFO | RENDER | PLAN | PREPARE | COMPARE | DEVICES | REPORT)
 #define ABOVE_0  DBL_TRUE_MIN, DBL_MAX
@@ -144,6 +145,25 @@ const struct option_spec option_table[] = {
       "0)",
       value_optics, AT(optics.roughness), "a number from 0 to 1", 0, 1, NULL },
 
+    { "Volume", VOLUMES, "volume-dims", 0, "X,Y,Z",
+      "voxels along the axes of a raw file, x fastest (default: what the header, or a .json beside "
+      "the file, says)",
+      value_volume_dims, 0, "three whole numbers from 1 with commas between", 1, 4294967295.0,
+      NULL },
+    { NULL, VOLUMES, "volume-type", 0, "auto|u8|u16|i16|f32",
+      "the voxels of a raw file, little-endian (default: auto, what the .json says, else u8)",
+      value_choice, AT(load.volume.type), NULL, 0, 0, NULL },
+    { NULL, VOLUMES, "volume-spacing", 0, "X,Y,Z",
+      "distances of neighbouring voxels, in scene units (default: the file's, else 1,1,1)",
+      value_volume_spacing, 0, "three numbers above 0 with commas between", 0, 0, NULL },
+    { NULL, VOLUMES, "transfer-function", 0, "auto|grey|bone|flesh|hot|FILE.json",
+      "colours and opacities of a volume's values: a preset, or a file (default: auto, from the "
+      "histogram)",
+      value_text, AT(load.volume.transfer_function), "a preset or the name of a file", 0, 0, NULL },
+    { NULL, VOLUMES, "unshaded", 0, NULL,
+      "show a volume's colours as they are (default: lit, by the gradients of its values)",
+      value_flag, AT(load.volume.unshaded), NULL, 0, 0, NULL },
+
     { "Picture", VIEW, "background", 0, "R,G,B[,A]|environment|none",
       "composited behind; linear light, alpha straight: it is multiplied in; or what --environment "
       "says (default: none, alpha 0 where nothing is)",
@@ -222,10 +242,11 @@ const struct option_spec option_table[] = {
       "built-in profile of Mesa's software device)",
       value_text, AT(limits), "the name of a file", 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
-      "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64; may "
-      "be repeated (default: none)",
+      "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
+      "float64, storage-formats; may be repeated (default: none)",
       value_features, AT(render.mask_features),
-      "names of int64-atomics, vertex-layer, float32-blend, int64 with commas between", 0, 0,
+      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats with "
+      "commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,
       "run under the Vulkan validation layers; any message is a failure (default: off)",

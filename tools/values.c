@@ -279,6 +279,33 @@ bool value_clip_box(const struct option_spec *spec, const char *text, void *targ
     return true;
 }
 
+bool value_volume_dims(const struct option_spec *spec, const char *text, void *target)
+{
+    struct settings *settings = target;
+    uint64_t dims[3];
+    for (int i = 0; i < 3; i++)
+        if (!read_whole(text, &text, &dims[i]) || dims[i] < 1 || (double)dims[i] > spec->high ||
+            *text++ != (i < 2 ? ',' : 0))
+            return false;
+    for (int i = 0; i < 3; i++)
+        settings->load.volume.dims[i] = (uint32_t)dims[i];
+    return true;
+}
+
+bool value_volume_spacing(const struct option_spec *spec, const char *text, void *target)
+{
+    (void)spec;
+    struct settings *settings = target;
+    double spacing[3];
+    if (read_reals(text, 3, 3, spacing) != 3)
+        return false;
+    for (int i = 0; i < 3; i++)
+        if (!(spacing[i] > 0))
+            return false;
+    memcpy(settings->load.volume.spacing, spacing, sizeof spacing);
+    return true;
+}
+
 bool value_background(const struct option_spec *spec, const char *text, void *target)
 {
     (void)spec;

@@ -2,6 +2,13 @@
 
 #include "lib/sample.glsl"
 
+// Where two modules must find the same bits of a depth: nothing is contracted or reordered.
+#ifdef SAME_BITS
+#define PRECISE precise
+#else
+#define PRECISE
+#endif
+
 // A point of the picture: whole pixels and a fraction, so that offsets keep their precision.
 struct Place {
     ivec2 whole;
@@ -16,12 +23,12 @@ struct Splat {
 };
 
 // With offset d from the projected centre, in pixels:
-//   den = g + ab.d,  rho^2 = (q.x dx^2 + 2 q.y dx dy + q.z dy^2) / den^2,  depth = zc + h.d / den
+//   den = g + ab.d,  rho^2 = (q.x (dx + q.y dy)^2 + q.z dy^2) / den^2,  depth = zc + h.d / den
 struct Footprint {
     Place p;
     float g;
     vec2 ab;
-    vec3 q;
+    vec3 q; // the form by its squares: both are positive, so that thin ellipses keep their tips
     float zc;
     vec2 h;
     float reach; // a floored splat's depth stays within zc +- reach; else infinite
@@ -44,7 +51,8 @@ vec2 place_position(Place p)
 // From the place to the sample of a pixel of the whole picture.
 vec2 place_offset(Place p, uvec2 pixel)
 {
-    return vec2(ivec2(pixel) - p.whole) + (sample_part(pixel) - p.part);
+    PRECISE vec2 offset = vec2(ivec2(pixel) - p.whole) + (sample_part(pixel) - p.part);
+    return offset;
 }
 
 // Camera frame and projection of the centre, in double where the device can: a pixel on an outline
@@ -64,21 +72,23 @@ vec2 place_offset(Place p, uvec2 pixel)
 void splat_place(vec3 a, inout Splat s)
 {
     const REAL r[9] = FRAME(rotation), t[3] = FRAME(translation);
-    REAL3 c = REAL3(r[0] * a.x + r[1] * a.y + r[2] * a.z + t[0],
+    PRECISE REAL3 c = REAL3(r[0] * a.x + r[1] * a.y + r[2] * a.z + t[0],
                     r[3] * a.x + r[4] * a.y + r[5] * a.z + t[1],
                     r[6] * a.x + r[7] * a.y + r[8] * a.z + t[2]);
     s.center = vec3(c);
     REAL2 scale = REAL2(FRAME(focal)[0], FRAME(focal)[1]);
-    REAL2 middle = REAL2(FRAME(center)[0], FRAME(center)[1]), d = c.xy;
+    REAL2 middle = REAL2(FRAME(center)[0], FRAME(center)[1]);
+    PRECISE REAL2 d = c.xy;
     if (!ORTHOGRAPHIC) {
-        vec2 quotient = s.center.xy / s.center.z;
-        vec2 remainder = vec2(c.xy - REAL2(quotient) * c.z) / s.center.z;
+        PRECISE vec2 quotient = s.center.xy / s.center.z;
+        PRECISE vec2 remainder = vec2(c.xy - REAL2(quotient) * c.z) / s.center.z;
         d = REAL2(quotient) + REAL2(remainder);
     }
     // A splat far outside the picture keeps its place within what an int holds.
-    REAL2 p = middle + scale * d;
+    PRECISE REAL2 p = middle + scale * d;
     vec2 whole = floor(clamp(vec2(p), vec2(-1e8), vec2(1e8)));
-    s.place = Place(ivec2(whole), vec2(p - REAL2(whole)));
+    PRECISE REAL2 part = p - REAL2(whole);
+    s.place = Place(ivec2(whole), vec2(part));
 }
 
 // False: culled.
@@ -87,13 +97,15 @@ bool splat_load(uint id, out Splat s)
     vec4 a = frame.splats.v[2 * id], b = frame.splats.v[2 * id + 1];
     const float r[9] = frame.rotation;
     splat_place(a.xyz, s);
-    s.normal = vec3(r[0] * b.x + r[1] * b.y + r[2] * b.z, r[3] * b.x + r[4] * b.y + r[5] * b.z,
-                    r[6] * b.x + r[7] * b.y + r[8] * b.z);
+    PRECISE vec3 n =
+        vec3(r[0] * b.x + r[1] * b.y + r[2] * b.z, r[3] * b.x + r[4] * b.y + r[5] * b.z,
+             r[6] * b.x + r[7] * b.y + r[8] * b.z);
+    s.normal = n;
     s.radius = a.w;
     s.tag = floatBitsToUint(b.w);
     if (HAS_UNKNOWN && b.x == 0 && b.y == 0 && b.z == 0)
         s.normal = ORTHOGRAPHIC ? vec3(0, 0, -1) : -normalize(s.center);
-    float away = ORTHOGRAPHIC ? s.normal.z : dot(s.normal, s.center);
+    PRECISE float away = ORTHOGRAPHIC ? s.normal.z : dot(s.normal, s.center);
     if (TWO_SIDED && away > 0)
         s.normal = -s.normal;
     return !CULL_BACK || away < 0;
@@ -101,66 +113,84 @@ bool splat_load(uint id, out Splat s)
 
 vec2 splat_direction(Splat s)
 {
-    return ORTHOGRAPHIC ? s.center.xy : s.center.xy / s.center.z;
+    PRECISE vec2 d = ORTHOGRAPHIC ? s.center.xy : s.center.xy / s.center.z;
+    return d;
 }
 
-Footprint footprint_exact(Splat s)
+// A symmetric form a dx^2 + 2 b dx dy + c dy^2, and root = sqrt(a c - b^2), which every caller has
+// as a product: the difference would cancel.
+struct Form {
+    float a, b, c, root;
+};
+
+// Completed squares. An a of 0 is a disc seen edge-on along a row: NaN, so that no pixel is hit.
+vec3 form_squares(float a, float b, float root)
 {
-    Footprint f;
-    vec2 d = splat_direction(s), i = vec2(frame.inv_focal[0], frame.inv_focal[1]);
+    PRECISE vec3 q = vec3(a, b / a, root * (root / a));
+    return q;
+}
+
+// Largest eigenvalue, and its unit eigenvector.
+float form_major(Form q, out vec2 axis)
+{
+    PRECISE float mean = 0.5 * (q.a + q.c), half_ = 0.5 * (q.a - q.c);
+    PRECISE float spread = sqrt(half_ * half_ + q.b * q.b);
+    PRECISE vec2 along = half_ >= 0 ? vec2(half_ + spread, q.b) : vec2(q.b, spread - half_);
+    PRECISE float l = dot(along, along), major = mean + spread;
+    axis = l > 0 ? along * inversesqrt(l) : vec2(1, 0);
+    return major;
+}
+
+// rho^2 den^2. Diagonals are sums of squares for the same reason.
+Form form_exact(Splat s)
+{
+    vec2 i = vec2(frame.inv_focal[0], frame.inv_focal[1]), n = s.normal.xy * i;
+    PRECISE Form q;
+    if (ORTHOGRAPHIC) {
+        float k = 1 / (s.radius * s.radius);
+        vec2 m = s.normal.z * i, square = k * (m * m + n * n);
+        q = Form(square.x, k * n.x * n.y, square.y, k * i.x * i.y * s.normal.z);
+    } else {
+        vec2 d = splat_direction(s);
+        float alpha = s.center.z / s.radius, g = dot(s.normal.xy, d) + s.normal.z;
+        alpha *= alpha;
+        vec2 m = g * i - d * n, square = alpha * (m * m + n * n * (1 + d.yx * d.yx));
+        float cross_ = n.x * n.y * (dot(d, d) + 1) - g * (n.x * d.y * i.y + n.y * d.x * i.x);
+        q = Form(square.x, alpha * cross_, square.y, alpha * i.x * i.y * g);
+    }
+    return q;
+}
+
+// All but the form.
+Footprint footprint_plane(Splat s)
+{
+    PRECISE Footprint f;
+    vec2 n = s.normal.xy * vec2(frame.inv_focal[0], frame.inv_focal[1]);
     f.p = s.place;
     f.zc = s.center.z;
     f.reach = 1.0 / 0.0;
-    vec2 n = s.normal.xy * i;
-    if (ORTHOGRAPHIC) {
-        float k = 1 / (s.radius * s.radius), nz = s.normal.z;
-        f.g = nz;
-        f.ab = vec2(0);
-        f.q = k * vec3(i.x * i.x * nz * nz + n.x * n.x, n.x * n.y, i.y * i.y * nz * nz + n.y * n.y);
-        f.h = -n;
-        return f;
-    }
-    float alpha = s.center.z / s.radius, g = dot(s.normal.xy, d) + s.normal.z;
-    alpha *= alpha;
-    float view2 = dot(d, d) + 1;
-    vec2 e = d * i;
-    f.g = g;
-    f.ab = n;
-    f.q = alpha * vec3(g * (g * i.x * i.x - 2 * n.x * e.x) + view2 * n.x * n.x,
-                       view2 * n.x * n.y - g * (n.x * e.y + n.y * e.x),
-                       g * (g * i.y * i.y - 2 * n.y * e.y) + view2 * n.y * n.y);
-    f.h = -s.center.z * n;
+    f.g = ORTHOGRAPHIC ? s.normal.z : dot(s.normal.xy, splat_direction(s)) + s.normal.z;
+    f.ab = ORTHOGRAPHIC ? vec2(0) : n;
+    f.h = ORTHOGRAPHIC ? -n : -s.center.z * n;
     return f;
 }
 
-// Largest eigenvalue of the quadratic form, and its unit eigenvector.
-float form_major(vec3 q, out vec2 axis)
-{
-    float mean = 0.5 * (q.x + q.z), half_ = 0.5 * (q.x - q.z);
-    float spread = sqrt(half_ * half_ + q.y * q.y);
-    axis = half_ >= 0 ? vec2(half_ + spread, q.y) : vec2(q.y, spread - half_);
-    float l = dot(axis, axis);
-    axis = l > 0 ? axis * inversesqrt(l) : vec2(1, 0);
-    return mean + spread;
-}
-
 // The screen-space floor: true when the splat is drawn by its floored affine ellipse.
-bool footprint_floor(Splat s, inout Footprint f)
+bool footprint_floor(Splat s, Form q, inout Footprint f)
 {
     vec2 axis;
-    float major = form_major(f.q, axis), least = 4 / (frame.floor_size * frame.floor_size);
-    float g2 = f.g * f.g;
+    float major = form_major(q, axis), least = 4 / (frame.floor_size * frame.floor_size);
+    PRECISE float g2 = f.g * f.g, scale = ORTHOGRAPHIC ? 1 / s.radius : s.center.z / s.radius;
+    PRECISE float area = scale * scale * frame.inv_focal[0] * frame.inv_focal[1]; // root / g
+    PRECISE float minor = min(area * (area / major), least), lift = least - minor;
     if (!(major > least * g2) || s.center.z < frame.near_depth)
         return false;
-    float scale = ORTHOGRAPHIC ? 1 / s.radius : s.center.z / s.radius;
-    float area = scale * scale * frame.inv_focal[0] * frame.inv_focal[1]; // det(q) = area^2 g^2
-    float minor = min(area * area / major, least);
     vec2 d = splat_direction(s);
-    float view2 = ORTHOGRAPHIC ? 1 : dot(d, d) + 1;
+    PRECISE float view2 = ORTHOGRAPHIC ? 1 : dot(d, d) + 1;
     f.h = g2 > 1e-14 * view2 ? f.h / f.g : vec2(0);
     f.reach = s.radius;
-    f.q = vec3(minor) * vec3(1, 0, 1) +
-          (least - minor) * vec3(axis.x * axis.x, axis.x * axis.y, axis.y * axis.y);
+    PRECISE vec2 row = lift * axis.x * axis + vec2(minor, 0);
+    f.q = form_squares(row.x, row.y, sqrt(minor * least));
     f.g = 1;
     f.ab = vec2(0);
     return true;
@@ -168,20 +198,23 @@ bool footprint_floor(Splat s, inout Footprint f)
 
 Footprint footprint_make(Splat s, out bool floored)
 {
-    Footprint f = footprint_exact(s);
-    floored = FLOOR ? footprint_floor(s, f) : false;
+    Footprint f = footprint_plane(s);
+    Form q = form_exact(s);
+    floored = FLOOR ? footprint_floor(s, q, f) : false;
+    if (!floored)
+        f.q = form_squares(q.a, q.b, q.root);
     return f;
 }
 
 // False: the pixel's ray misses. d: sample minus the projected centre.
 bool footprint_hit(Footprint f, vec2 d, out Fragment fragment)
 {
-    float den = f.g + f.ab.x * d.x + f.ab.y * d.y;
-    float form = d.x * (f.q.x * d.x + 2 * f.q.y * d.y) + f.q.z * d.y * d.y;
-    float inv = 1 / den;
-    float rise = (f.h.x * d.x + f.h.y * d.y) * inv;
-    fragment.rho2 = form * inv * inv;
-    fragment.depth = f.zc + (FLOOR ? clamp(rise, -f.reach, f.reach) : rise);
+    PRECISE float den = f.g + f.ab.x * d.x + f.ab.y * d.y;
+    PRECISE float u = d.x + f.q.y * d.y, form = f.q.x * u * u + f.q.z * d.y * d.y;
+    PRECISE float inv = 1 / den;
+    PRECISE float rise = (f.h.x * d.x + f.h.y * d.y) * inv;
+    PRECISE float depth = f.zc + (FLOOR ? clamp(rise, -f.reach, f.reach) : rise);
+    fragment = Fragment(form * inv * inv, depth);
     return form <= den * den && fragment.depth >= frame.near_depth &&
            fragment.depth <= frame.far_depth;
 }
@@ -203,10 +236,11 @@ float depth_ordered(uint order)
 bool clipped_hit(Splat s, uvec2 pixel, out Fragment fragment)
 {
     vec2 c = vec2(frame.center[0], frame.center[1]);
-    vec3 ray = vec3((vec2(pixel) + sample_part(pixel) - c) * vec2(frame.inv_focal[0], frame.inv_focal[1]), 1);
-    fragment.depth = dot(s.normal, s.center) / dot(s.normal, ray);
-    vec3 v = (fragment.depth * ray - s.center) / s.radius;
-    fragment.rho2 = dot(v, v);
+    vec2 inv = vec2(frame.inv_focal[0], frame.inv_focal[1]);
+    PRECISE vec3 ray = vec3((vec2(pixel) + sample_part(pixel) - c) * inv, 1);
+    PRECISE float depth = dot(s.normal, s.center) / dot(s.normal, ray);
+    PRECISE vec3 v = (depth * ray - s.center) / s.radius;
+    fragment = Fragment(dot(v, v), depth);
     return fragment.rho2 <= 1 && fragment.depth >= frame.near_depth &&
            fragment.depth <= frame.far_depth;
 }
@@ -243,7 +277,7 @@ vec4 footprint_extent(Splat s, Footprint f, bool floored)
 {
     vec2 focal = vec2(frame.focal[0], frame.focal[1]);
     if (floored) {
-        vec2 e = sqrt(vec2(f.q.z, f.q.x) / (f.q.x * f.q.z - f.q.y * f.q.y));
+        vec2 e = sqrt(vec2(1 / f.q.x + f.q.y * f.q.y / f.q.z, 1 / f.q.z));
         return vec4(-e, e);
     }
     vec3 n = s.normal;

@@ -32,10 +32,8 @@ vec4 disc_vertex(Splat s, vec2 turn)
 
 vec4 ellipse_vertex(Footprint f, vec2 turn)
 {
-    vec2 axis;
-    float major = form_major(f.q, axis);
-    float minor = (f.q.x * f.q.z - f.q.y * f.q.y) / major;
-    vec2 d = turn.x * inversesqrt(major) * axis + turn.y * inversesqrt(minor) * vec2(-axis.y, axis.x);
+    vec2 d = turn * inversesqrt(f.q.xz);
+    d.x -= f.q.y * d.y;
     return to_clip(place_position(f.p) + WIDE * d, 0.5, 1);
 }
 

@@ -6,6 +6,9 @@
 #ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
+#ifndef WITH_ATOMIC64
+#define SAME_BITS
+#endif
 #include "lib/splat.glsl"
 #include "lib/sums.glsl"
 #ifndef NEAREST_ID

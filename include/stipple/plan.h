@@ -54,11 +54,12 @@ enum stp_aov {
 
 /* Optional device features; --mask-feature behaves as if the device lacked one. */
 enum stp_feature {
-    STP_FEATURE_INT64_ATOMICS = 1, /* shaderBufferInt64Atomics */
-    STP_FEATURE_VERTEX_LAYER = 2,  /* gl_Layer from the vertex shader */
-    STP_FEATURE_FLOAT32_BLEND = 4, /* blending into R32G32B32A32_SFLOAT */
-    STP_FEATURE_INT64 = 8,         /* shaderInt64 */
-    STP_FEATURE_FLOAT64 = 16,      /* shaderFloat64: centres are projected in double */
+    STP_FEATURE_INT64_ATOMICS = 1,    /* shaderBufferInt64Atomics */
+    STP_FEATURE_VERTEX_LAYER = 2,     /* gl_Layer from the vertex shader */
+    STP_FEATURE_FLOAT32_BLEND = 4,    /* blending into R32G32B32A32_SFLOAT */
+    STP_FEATURE_INT64 = 8,            /* shaderInt64 */
+    STP_FEATURE_FLOAT64 = 16,         /* shaderFloat64: centres are projected in double */
+    STP_FEATURE_STORAGE_FORMATS = 32, /* shaderStorageImageExtendedFormats: raster paths */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);

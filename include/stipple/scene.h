@@ -3,6 +3,7 @@
 #define STIPPLE_SCENE_H
 
 #include <stipple/environment.h>
+#include <stipple/volume.h>
 
 #ifdef __cplusplus
 extern "C" {
@@ -52,7 +53,7 @@ struct stp_object_params {
     const struct stp_material *material; /* NULL: the default */
     double epsilon;                      /* eye depth, scene units; 0: the median radius */
     float opacity; /* 0: 1; negative: 0. Multiplies the points' own and the material's */
-    const struct stp_optics *optics;     /* NULL: the default */
+    const struct stp_optics *optics; /* NULL: the default */
 };
 
 struct stp_load_params {
@@ -65,9 +66,11 @@ struct stp_load_params {
     float
         opacity; /* as in stp_object_params; in the place of what a scene .json says of an object */
     const struct stp_optics *optics; /* what it sets wins over a scene .json */
+    struct stp_volume_params volume; /* of a volume */
 };
 
-/* Reads a point file (PLY, LAS, PCD, text, OFF, OBJ; gzip of any) or a scene .json (docs/scene.md).
+/* Reads a point file (PLY, LAS, PCD, text, OFF, OBJ), a volume (NIfTI, NRRD, MetaImage, INRIMAGE,
+ * raw; docs/volumes.md), gzip of any, or a scene .json (docs/scene.md).
  * The format is found from the content, not from the name. */
 STP_API enum stp_result stp_scene_load(const struct stp_env *env, const char *path,
                                        const struct stp_load_params *params,
@@ -78,6 +81,16 @@ STP_API enum stp_result stp_scene_create(const struct stp_env *env, struct stp_s
 STP_API enum stp_result stp_scene_add_points(const struct stp_env *env, struct stp_scene *scene,
                                              const struct stp_points *points,
                                              const struct stp_object_params *object);
+/* A scene holds points, or one volume. params may be NULL. */
+STP_API enum stp_result stp_scene_set_volume(const struct stp_env *env, struct stp_scene *scene,
+                                             const struct stp_volume *volume,
+                                             const struct stp_volume_params *params);
+/* Another transfer function (params->transfer_function, params->unshaded) for the scene's volume.
+ * Of a prepared scene the voxels are classified again; nothing is read again. On failure the scene
+ * is as it was. */
+STP_API enum stp_result stp_scene_set_transfer_function(const struct stp_env *env,
+                                                        struct stp_scene *scene,
+                                                        const struct stp_volume_params *params);
 /* At most STP_MAX_LIGHTS; count 0 restores the head light. */
 #define STP_MAX_LIGHTS 8
 STP_API enum stp_result stp_scene_set_lights(struct stp_scene *scene,
@@ -147,13 +160,14 @@ struct stp_facts {
     float color_max; /* largest colour component; 0 without colours */
     unsigned objects, lights;
     bool positional_lights;
-    unsigned environment_levels;  /* sharp, then one for each roughness; 0: no environment */
-    uint64_t environment_texels;  /* of all levels, polar rows included */
-    bool reflects, disperses;     /* some surface meets the environment; its channels apart */
-    bool mirrors;                 /* some surface has a reflectance */
-    bool between_levels;          /* more roughnesses than levels: two are mixed */
-    enum stp_up up; /* resolved */
+    unsigned environment_levels; /* sharp, then one for each roughness; 0: no environment */
+    uint64_t environment_texels; /* of all levels, polar rows included */
+    bool reflects, disperses;    /* some surface meets the environment; its channels apart */
+    bool mirrors;                /* some surface has a reflectance */
+    bool between_levels;         /* more roughnesses than levels: two are mixed */
+    enum stp_up up;              /* resolved */
     struct stp_grouping grouping;
+    struct stp_volume_facts volume;
     char format[32]; /* of the (first) file, "" when made in memory */
 };
 

@@ -89,26 +89,37 @@ static enum stp_result inflate_members(const struct stp_env *env, const char *pa
     return STP_OK;
 }
 
+enum stp_result file_inflate(const struct stp_env *env, const char *path, const unsigned char *data,
+                             size_t size, struct file_bytes *bytes)
+{
+    const struct file_bytes in = { .data = data, .size = size };
+    z_stream z = { 0 };
+    size_t capacity = size * 4 + 4096, used = 0;
+    unsigned char *out = mem_alloc(capacity, 1);
+    if (!out)
+        return log_no_memory(env, capacity, path);
+    if (inflateInit2(&z, 15 + 32) != Z_OK) { /* zlib's header or gzip's */
+        mem_free(out);
+        return log_no_memory(env, sizeof z, "zlib");
+    }
+    enum stp_result result = inflate_members(env, path, &in, &z, &out, &capacity, &used);
+    inflateEnd(&z);
+    if (result == STP_OK)
+        *bytes = (struct file_bytes){ .data = out, .size = used, .inflated = true };
+    else
+        mem_free(out);
+    return result;
+}
+
 static enum stp_result inflate_file(const struct stp_env *env, const char *path,
                                     struct file_bytes *bytes)
 {
-    z_stream z = { 0 };
-    size_t capacity = bytes->size * 4 + 4096, size = 0;
-    unsigned char *data = mem_alloc(capacity, 1);
-    if (!data)
-        return log_no_memory(env, capacity, path);
-    if (inflateInit2(&z, 15 + 16) != Z_OK) {
-        mem_free(data);
-        return log_no_memory(env, sizeof z, "zlib");
-    }
-    enum stp_result result = inflate_members(env, path, bytes, &z, &data, &capacity, &size);
-    inflateEnd(&z);
-    if (result != STP_OK) {
-        mem_free(data);
+    struct file_bytes inflated;
+    enum stp_result result = file_inflate(env, path, bytes->data, bytes->size, &inflated);
+    if (result != STP_OK)
         return result;
-    }
     file_release(bytes);
-    *bytes = (struct file_bytes){ .data = data, .size = size, .inflated = true };
+    *bytes = inflated;
     return STP_OK;
 }
 

@@ -14,6 +14,9 @@ struct file_bytes {
 /* Reads a regular file, inflating gzip (found from its magic bytes). Bounds the inflated size by
  * the machine's memory. Logs path and errno. */
 enum stp_result file_read(const struct stp_env *env, const char *path, struct file_bytes *bytes);
+/* Inflates `size` bytes of gzip or zlib that stand inside a file; path is for messages. */
+enum stp_result file_inflate(const struct stp_env *env, const char *path, const unsigned char *data,
+                             size_t size, struct file_bytes *bytes);
 void file_release(struct file_bytes *bytes);
 
 /* A file that appears under `path` only when it is whole. */

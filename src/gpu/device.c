@@ -56,19 +56,20 @@ static void survey_features(const struct gpu_instance *instance, VkPhysicalDevic
     lack(info, f.v13.synchronization2, true, "synchronization2");
     lack(info, f.v13.maintenance4, true, "maintenance4");
     lack(info, f.core.features.shaderInt64, true, "shaderInt64");
-    lack(info, f.core.features.shaderStorageImageExtendedFormats, true,
-         "shaderStorageImageExtendedFormats");
     bool atomics = f.v12.shaderBufferInt64Atomics, layer = f.v12.shaderOutputLayer;
     bool blend = blends_float32(instance, device);
+    bool formats = f.core.features.shaderStorageImageExtendedFormats;
     lack(info, atomics, false, "shaderBufferInt64Atomics");
     lack(info, layer, false, "shaderOutputLayer");
     lack(info, blend, false, "blending into float32");
     lack(info, f.core.features.shaderFloat64, false, "shaderFloat64");
+    lack(info, formats, false, "shaderStorageImageExtendedFormats");
     info->limits.features = (atomics ? STP_FEATURE_INT64_ATOMICS : 0) |
                             (layer ? STP_FEATURE_VERTEX_LAYER : 0) |
                             (blend ? STP_FEATURE_FLOAT32_BLEND : 0) |
                             (f.core.features.shaderInt64 ? STP_FEATURE_INT64 : 0) |
-                            (f.core.features.shaderFloat64 ? STP_FEATURE_FLOAT64 : 0);
+                            (f.core.features.shaderFloat64 ? STP_FEATURE_FLOAT64 : 0) |
+                            (formats ? STP_FEATURE_STORAGE_FORMATS : 0);
 }
 
 static void survey_memory(const struct gpu_instance *instance, VkPhysicalDevice device,
@@ -141,7 +142,8 @@ static VkResult create_device(struct stp_context *context)
     struct features f = { 0 };
     chain(&f);
     f.core.features.shaderInt64 = VK_TRUE;
-    f.core.features.shaderStorageImageExtendedFormats = VK_TRUE;
+    f.core.features.shaderStorageImageExtendedFormats =
+        (optional & STP_FEATURE_STORAGE_FORMATS) != 0;
     f.core.features.shaderFloat64 = (optional & STP_FEATURE_FLOAT64) != 0;
     f.v12.bufferDeviceAddress = f.v12.scalarBlockLayout = VK_TRUE;
     f.v12.shaderBufferInt64Atomics = (optional & STP_FEATURE_INT64_ATOMICS) != 0;

@@ -29,7 +29,7 @@ static enum stp_result refuse(const struct stp_env *env, const char *path,
     return log_error(
         env, STP_ERROR_FORMAT,
         "%s: byte 0: not a point file that is read (PLY, LAS, PCD, text, OFF, OBJ, gzip of any): "
-        "convert it to PLY",
+        "convert it to PLY; of a raw volume, give --volume-dims and --volume-type",
         path);
 }
 
@@ -41,6 +41,11 @@ static const struct reader *find_reader(const struct file_bytes *bytes)
             (readers[i].probe != xyz_probe || !known_format_find(bytes, &known)))
             return &readers[i];
     return NULL;
+}
+
+bool load_recognises(const struct file_bytes *bytes)
+{
+    return find_reader(bytes) != NULL;
 }
 
 enum stp_result load_from_bytes(const struct stp_env *env, const char *path,

@@ -2,21 +2,8 @@
 #ifndef STP_LOAD_RECORD_H
 #define STP_LOAD_RECORD_H
 
+#include "load/record_type.h"
 #include "load/table.h"
-
-enum record_type {
-    RECORD_NONE = 0, /* the column is not in the records */
-    RECORD_INT8,
-    RECORD_UINT8,
-    RECORD_INT16,
-    RECORD_UINT16,
-    RECORD_INT32,
-    RECORD_UINT32,
-    RECORD_INT64,
-    RECORD_UINT64,
-    RECORD_FLOAT32,
-    RECORD_FLOAT64,
-};
 
 /* Where a column's numbers stand, little-endian, and what they mean. */
 struct record_column {
@@ -28,8 +15,6 @@ struct record_column {
     bool has_missing;
     double missing; /* the stored value that says that there is none: NaN */
 };
-
-size_t record_type_size(enum record_type type);
 
 /* The value of one row. */
 double record_value(const struct record_column *column, size_t row);

@@ -41,7 +41,9 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
     enum stp_transparency transparency = resolve_transparency(facts, params);
     if (transparency != STP_TRANSPARENCY_AUTO)
         return method_of(transparency);
-    return params->method == STP_METHOD_AUTO ? STP_METHOD_EXACT : params->method;
+    if (params->method != STP_METHOD_AUTO)
+        return params->method;
+    return facts->volume.dims[0] ? STP_METHOD_REFERENCE : STP_METHOD_EXACT;
 }
 
 static enum stp_result choose_transparency(const struct stp_env *env, struct stp_plan *plan)
@@ -68,13 +70,14 @@ static enum stp_result choose_transparency(const struct stp_env *env, struct stp
 bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
                            const struct stp_limits *limits)
 {
-    return resolve_method(facts, params) == STP_METHOD_DEFERRED;
+    return !facts->volume.dims[0] && resolve_method(facts, params) == STP_METHOD_DEFERRED;
 }
 
 static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *plan)
 {
     unsigned features = plan->limits.features;
     bool atomics = (features & STP_FEATURE_INT64_ATOMICS) != 0;
+    bool formats = (features & STP_FEATURE_STORAGE_FORMATS) != 0;
     enum stp_path path = plan->params.path;
     unsigned samples = plan_samples(plan);
     if (path == STP_PATH_RASTER && samples > 1)
@@ -83,18 +86,22 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
                          "compute",
                          samples);
     if (path == STP_PATH_AUTO) {
-        bool raster = plan->method == STP_METHOD_DEFERRED && !atomics && samples == 1;
+        bool raster = plan->method == STP_METHOD_DEFERRED && !atomics && formats && samples == 1;
         path = raster ? STP_PATH_RASTER : STP_PATH_COMPUTE;
     }
     if (path == STP_PATH_RASTER && plan->method == STP_METHOD_EXACT)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "method exact has no raster path; ask for compute, or for two-pass");
+    if (path == STP_PATH_RASTER && !formats)
+        return log_error(env, STP_ERROR_FEATURE,
+                         "--path raster needs shaderStorageImageExtendedFormats, which the device "
+                         "lacks; use --path compute");
     if (path == STP_PATH_COMPUTE && plan->method == STP_METHOD_DEFERRED && !atomics)
         return log_error(env, STP_ERROR_FEATURE,
                          "deferred --path compute%s needs shaderBufferInt64Atomics, which the "
                          "device lacks; use %s--method exact",
                          samples > 1 ? ", which several samples take," : "",
-                         samples > 1 ? "" : "--path raster or ");
+                         samples > 1 || !formats ? "" : "--path raster or ");
     if (path == STP_PATH_RASTER && plan->method == STP_METHOD_TWO_PASS &&
         !(features & STP_FEATURE_FLOAT32_BLEND))
         return log_error(env, STP_ERROR_FEATURE,
@@ -190,6 +197,10 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         explain(plan);
         return STP_OK;
     }
+    if (plan->facts.volume.dims[0])
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method %s draws surfaces; a volume takes --method reference",
+                         stp_method_name(plan->method));
     if (plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the deferred method needs stp_scene_group before its plan");

@@ -13,6 +13,8 @@ const char *stp_feature_name(enum stp_feature feature)
         return "int64";
     case STP_FEATURE_FLOAT64:
         return "float64";
+    case STP_FEATURE_STORAGE_FORMATS:
+        return "storage-formats";
     }
     return NULL;
 }

@@ -11,7 +11,7 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
                              const struct stp_camera *camera,
                              const struct stp_render_params *params)
 {
-    if (!scene->prepared || scene->splats.count == 0)
+    if (!scene->prepared || (scene->splats.count == 0 && !scene->volume))
         return log_error(env, STP_ERROR_ARGUMENT, "a plan needs a prepared scene with splats");
     if (camera->width == 0 || camera->height == 0 || camera->width > 65536 ||
         camera->height > 65536)

@@ -10,6 +10,7 @@
 #include "prepare/merge.h"
 #include "prepare/object.h"
 #include "prepare/order.h"
+#include "prepare/volume.h"
 
 struct preparation {
     const struct stp_env *env;
@@ -120,13 +121,10 @@ enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene
         splats_release(&p.sets[i]);
     mem_free(p.sets);
     mem_free(p.first_input);
-    if (result == STP_OK)
-        result = environment_build(env, scene, &scene->environment);
     if (result != STP_OK) {
         splats_release(&splats);
         return result;
     }
-    environment_facts(scene, &p.facts);
     scene->splats = splats;
     scene->facts = p.facts;
     memcpy(scene->core, core, sizeof core);
@@ -147,5 +145,10 @@ enum stp_result stp_scene_prepare(const struct stp_env *env, struct stp_scene *s
             if (!(params->clip_box[axis] <= params->clip_box[axis + 3]))
                 return log_error(env, STP_ERROR_ARGUMENT,
                                  "the clip box is empty: x0 y0 z0 must be below x1 y1 z1");
-    return prepare_scene(env, scene, params ? params : &defaults);
+    enum stp_result result = environment_build(env, scene, &scene->environment);
+    if (result != STP_OK)
+        return result;
+    environment_facts(scene, &scene->facts);
+    return scene->volume ? prepare_volume(env, scene, params)
+                         : prepare_scene(env, scene, params ? params : &defaults);
 }

@@ -157,7 +157,7 @@ static void copy_pixel(const struct copying *c, size_t from, size_t at, uint32_t
         c->ids[at] = hit ? c->scene->splats.input[id[0]] : STP_NO_ID;
 }
 
-static void invalidate(struct record_frame *frame)
+static enum stp_result invalidate(const struct stp_env *env, struct record_frame *frame)
 {
     struct stp_context *c = frame->context;
     for (uint32_t i = 0; i < frame->plan->resource_count; i++) {
@@ -168,12 +168,16 @@ static void invalidate(struct record_frame *frame)
         VkMappedMemoryRange range = { .sType = VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE,
                                       .memory = b->memory,
                                       .size = VK_WHOLE_SIZE };
-        c->vk.vkInvalidateMappedMemoryRanges(c->device, 1, &range);
+        VkResult status = c->vk.vkInvalidateMappedMemoryRanges(c->device, 1, &range);
+        if (status != VK_SUCCESS)
+            return gpu_error(env, status, "vkInvalidateMappedMemoryRanges");
     }
+    return STP_OK;
 }
 
-void record_read_back(struct record_frame *frame, const struct stp_scene *scene,
-                      const struct plan_tile *tile, struct stp_image *image)
+enum stp_result record_read_back(const struct stp_env *env, struct record_frame *frame,
+                                 const struct stp_scene *scene, const struct plan_tile *tile,
+                                 struct stp_image *image)
 {
     struct copying c = { .plan = frame->plan,
                          .scene = scene,
@@ -184,10 +188,13 @@ void record_read_back(struct record_frame *frame, const struct stp_scene *scene,
                          .id = output(frame, PLAN_OUT_ID),
                          .grid = frame->plan->constant[PLAN_SAMPLE_GRID] };
     c.id_words = c.grid > 1 ? STP_ID_WORDS : 2;
-    invalidate(frame);
+    enum stp_result result = invalidate(env, frame);
+    if (result != STP_OK)
+        return result;
     find_planes(&c, image);
     for (uint32_t y = tile->keep[1]; y < tile->keep[3]; y++)
         for (uint32_t x = tile->keep[0]; x < tile->keep[2]; x++)
             copy_pixel(&c, (size_t)(y - tile->y) * tile->width + (x - tile->x),
                        (size_t)y * image->width + x, x, y);
+    return STP_OK;
 }

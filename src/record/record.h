@@ -52,8 +52,9 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
 /* picture.c: outputs of one tile into the picture. */
 enum stp_result record_picture(const struct stp_env *env, const struct stp_scene *scene,
                                const struct stp_plan *plan, struct stp_image **image);
-void record_read_back(struct record_frame *frame, const struct stp_scene *scene,
-                      const struct plan_tile *tile, struct stp_image *image);
+enum stp_result record_read_back(const struct stp_env *env, struct record_frame *frame,
+                                 const struct stp_scene *scene, const struct plan_tile *tile,
+                                 struct stp_image *image);
 
 /* render.c: all tiles once, from record to fence; *ms leaves reading back apart. image NULL:
  * nothing is read. The scene must have been uploaded. */

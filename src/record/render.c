@@ -84,7 +84,9 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
         double end = now_ms();
         *ms += end - start;
         if (image) {
-            record_read_back(frame, scene, &plan->tile[i], image);
+            result = record_read_back(env, frame, scene, &plan->tile[i], image);
+            if (result != STP_OK)
+                return result;
             *read_back_ms += now_ms() - end;
             log_progress(env, "render", (i + 1.0) / plan->tile_count);
         }
@@ -164,6 +166,7 @@ static enum stp_result check_features(const struct stp_env *env, const struct st
         enum stp_feature feature;
     } needs[] = { { plan->constant[PLAN_FLOAT64], STP_FEATURE_FLOAT64 },
                   { plan->constant[PLAN_LAYERED], STP_FEATURE_VERTEX_LAYER },
+                  { plan->path == STP_PATH_RASTER, STP_FEATURE_STORAGE_FORMATS },
                   { plan->path == STP_PATH_COMPUTE && plan->constant[PLAN_ATOMIC64],
                     STP_FEATURE_INT64_ATOMICS } };
     for (unsigned i = 0; i < sizeof needs / sizeof *needs; i++)

@@ -9,7 +9,7 @@ struct finish {
     const struct view *view;
     const float *background; /* NULL: the environment's, or none */
     bool environment;        /* is behind */
-    double diagonal; /* of the scene: the unit of orthographic depth differences */
+    double diagonal;         /* of the scene: the unit of orthographic depth differences */
 };
 
 /* How far the neighbour rises above the pixel; 0 where it is empty or farther. */

@@ -5,6 +5,7 @@
 #include "base/thread.h"
 #include "reference/samples.h"
 #include "reference/tile.h"
+#include "reference/volume.h"
 
 #define DEFAULT_MIN_SPLAT 1.5 /* of stp_render_params */
 #define MAX_SAMPLES       65536
@@ -49,7 +50,7 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (!scene->prepared)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the scene must be prepared before it is rendered");
-    if (scene->splats.count == 0)
+    if (scene->splats.count == 0 && !scene->volume)
         return log_error(env, STP_ERROR_NO_POINTS, "the scene has no splats to render");
     if (params->samples > MAX_SAMPLES)
         return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", params->samples,
@@ -58,7 +59,8 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
         return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g or min-splat %g is out of range",
                          params->epsilon, params->min_splat);
     if (params->environment_behind && !scene->environment.map.width)
-        return log_error(env, STP_ERROR_ARGUMENT, "the scene has no environment to stand behind it");
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the scene has no environment to stand behind it");
     return check_camera(env, camera);
 }
 
@@ -91,8 +93,7 @@ static void render_tiles(void *context, size_t begin, size_t end, unsigned worke
 }
 
 static enum stp_result render(const struct stp_env *env, const struct view *view,
-                              const struct planes *planes,
-                              const struct stp_render_params *params)
+                              const struct planes *planes, const struct stp_render_params *params)
 {
     unsigned threads = thread_count(env);
     struct bins bins;
@@ -122,7 +123,8 @@ enum stp_result reference_render(const struct stp_env *env, const struct stp_sce
     if (result != STP_OK)
         return result;
     struct view view = view_of(scene, camera, params);
-    result = render(env, &view, &planes, params);
+    result = scene->volume ? medium_render(env, &view, &planes, params, LEAST_ALPHA)
+                           : render(env, &view, &planes, params);
     if (result == STP_OK)
         *image = made;
     else

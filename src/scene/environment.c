@@ -66,7 +66,7 @@ enum stp_result environment_from_json(const struct json_at *root, const cJSON *j
         result = json_error(&at, "file", "the path of an environment map is needed");
     if (result != STP_OK)
         return result;
-    char *path = scene_json_path(root->path, file);
+    char *path = scene_json_join(root->path, file);
     if (!path)
         return log_no_memory(root->env, strlen(file), root->path);
     result = environment_read(root->env, path, &read.map);

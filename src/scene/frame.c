@@ -59,18 +59,32 @@ static void extremes_range(void *context, size_t begin, size_t end, unsigned wor
     f->worker[worker] = e;
 }
 
+/* A volume is its box: outliers do not exist, and kernels are many. */
+static void box_extremes(const struct framing *f, struct extremes *e)
+{
+    const double *b = f->scene->core;
+    for (int i = 0; i < 8; i++) {
+        struct vec3 corner = v3(b[i & 1 ? 3 : 0], b[i & 2 ? 4 : 1], b[i & 4 ? 5 : 2]);
+        add_sphere(f, e, v3_sub(corner, f->middle), 0);
+    }
+}
+
 /* Maxima do not depend on who found them. */
 static enum stp_result find_extremes(struct framing *f, struct extremes *all)
 {
     struct extremes none = { { -INFINITY, -INFINITY, -INFINITY, -INFINITY }, -INFINITY, INFINITY };
     unsigned threads = thread_count(NULL);
+    *all = none;
+    if (f->scene->volume) {
+        box_extremes(f, all);
+        return STP_OK;
+    }
     f->worker = mem_alloc(threads, sizeof *f->worker);
     if (!f->worker)
         return log_no_memory(NULL, threads * sizeof *f->worker, "framing");
     for (unsigned i = 0; i < threads; i++)
         f->worker[i] = none;
     parallel_for(NULL, f->scene->splats.count, GRAIN, extremes_range, f);
-    *all = none;
     for (unsigned i = 0; i < threads; i++) {
         for (int side = 0; side < 4; side++)
             all->side[side] = fmax(all->side[side], f->worker[i].side[side]);

@@ -55,6 +55,7 @@ void stp_scene_destroy(struct stp_scene **scene)
     mem_free((*scene)->objects);
     splats_release(&(*scene)->splats);
     environment_release(&(*scene)->environment);
+    volume_release(&(*scene)->volume);
     mem_free(*scene);
     *scene = NULL;
 }
@@ -78,6 +79,8 @@ static enum stp_result check_object(const struct stp_env *env, const struct stp_
     static const char what[] = "points cannot be added";
     if (scene->prepared)
         return log_error(env, STP_ERROR_ARGUMENT, "%s: the scene is prepared already", what);
+    if (scene->volume)
+        return log_error(env, STP_ERROR_ARGUMENT, "%s: the scene holds a volume", what);
     if (scene->object_count == MAX_OBJECTS)
         return log_error(env, STP_ERROR_ARGUMENT, "%s: a scene holds %u objects at most", what,
                          MAX_OBJECTS);

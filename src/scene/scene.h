@@ -7,6 +7,7 @@
 #include "load/cloud.h"
 #include "load/environment.h"
 #include "scene/splats.h"
+#include "scene/volume.h"
 
 /* Where an object's colours come from: its cloud, or prepare makes them. */
 enum color_source {
@@ -63,6 +64,7 @@ struct stp_scene {
     struct stp_camera camera;
     struct scene_environment environment;
     struct splats splats;
+    struct volume *volume; /* NULL: none; then there are no splats */
     struct stp_facts facts;
     double core[6]; /* set by prepare, min x y z max x y z: splats whose centres are outside are
                        outliers that automatic framing leaves out */

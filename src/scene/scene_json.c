@@ -43,9 +43,10 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
                                   { "-y", STP_UP_NEG_Y },  { NULL, 0 } };
     const cJSON *points = cJSON_GetObjectItemCaseSensitive(json, "points");
     int read = STP_UP_AUTO;
-    enum stp_result result =
-        json_check_object(root, json, "points lights camera camera_file environment up name comment");
-    if (result == STP_OK && !cJSON_IsArray(points))
+    enum stp_result result = json_check_object(
+        root, json, "points volume lights camera camera_file environment up name comment");
+    bool none = !points && json_has(json, "volume");
+    if (result == STP_OK && !none && !cJSON_IsArray(points))
         result = json_error(root, "points", "an array of point files is needed");
     if (result == STP_OK)
         result = get_choice(root, json, "up", ups, &read);
@@ -56,7 +57,7 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
     return STP_OK;
 }
 
-char *scene_json_path(const char *scene_path, const char *file)
+char *scene_json_join(const char *scene_path, const char *file)
 {
     const char *slash = strrchr(scene_path, '/');
     size_t folder = file[0] == '/' || !slash ? 0 : (size_t)(slash + 1 - scene_path);
@@ -103,15 +104,14 @@ static enum stp_result get_color(const struct json_at *at, const cJSON *object, 
     return result;
 }
 
-static enum stp_result get_material(const struct json_at *at, const cJSON *item,
+enum stp_result scene_json_material(const struct json_at *at, const cJSON *item,
                                     struct stp_material *material)
 {
     struct stp_material read = SCENE_DEFAULT_MATERIAL;
     const char *keys[4] = { "ambient", "diffuse", "specular", "shininess" };
     float *values[4] = { &read.ambient, &read.diffuse, &read.specular, &read.shininess };
-    enum stp_result result =
-        json_check_object(at, item,
-                          "ambient diffuse specular shininess albedo opacity " OPTICS_KEYS);
+    enum stp_result result = json_check_object(
+        at, item, "ambient diffuse specular shininess albedo opacity " OPTICS_KEYS);
     for (int i = 0; i < 4 && result == STP_OK; i++) {
         result = json_get_float(at, item, keys[i], values[i]);
         if (result == STP_OK && *values[i] < 0)
@@ -163,7 +163,7 @@ static enum stp_result get_look(const struct json_at *at, const cJSON *item,
     enum stp_result result = STP_OK;
     if (material) {
         struct json_at below = json_below(at, "material", -1);
-        result = get_material(&below, material, &entry->material);
+        result = scene_json_material(&below, material, &entry->material);
         if (result == STP_OK)
             result = optics_from_json(&below, material, &entry->optics);
     }
@@ -211,7 +211,7 @@ enum stp_result scene_json_entry(const struct json_at *root, const cJSON *json, 
     }
     if (!file || !file[0])
         return json_error(&at, "file", "the path of a point file is needed");
-    entry->file = scene_json_path(root->path, file);
+    entry->file = scene_json_join(root->path, file);
     return entry->file ? STP_OK : log_no_memory(root->env, strlen(file), root->path);
 }
 
@@ -265,7 +265,7 @@ static enum stp_result camera_of_file(const struct json_at *root, const char *fi
                                       struct camera_json *camera)
 {
     cJSON *json = NULL;
-    char *path = scene_json_path(root->path, file);
+    char *path = scene_json_join(root->path, file);
     if (!path)
         return log_no_memory(root->env, strlen(file), root->path);
     enum stp_result result = json_read(root->env, path, &json);

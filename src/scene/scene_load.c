@@ -7,7 +7,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/vec.h"
-#include "load/load.h"
+#include "load/readers.h"
 #include "scene/camera_json.h"
 #include "scene/environment.h"
 #include "scene/scene_json.h"
@@ -53,10 +53,42 @@ static void transform_cloud(struct cloud *cloud, const double m[16], double scal
     }
 }
 
-/* One point file into the scene. entry NULL: no transform. */
-static enum stp_result add_file(const struct stp_env *env, struct stp_scene *scene,
-                                const char *path, const struct stp_load_params *params,
-                                const struct scene_entry *entry)
+/* What the bytes are: a volume where a header says so, where the caller gives dims, or where no
+ * reader of points takes them and a description stands beside the file. */
+static enum stp_result find_volume(const struct stp_env *env, const char *path,
+                                   const struct file_bytes *bytes,
+                                   const struct stp_volume_params *params, struct raw_volume *raw,
+                                   bool *is_volume)
+{
+    enum stp_result result = STP_OK;
+    *is_volume = volume_reader_find(bytes) != NULL;
+    if (!*is_volume && (params->dims[0] || !load_recognises(bytes)))
+        result = raw_volume_find(env, path, params, raw);
+    *is_volume = *is_volume || raw->known;
+    return result;
+}
+
+static enum stp_result add_volume(const struct stp_env *env, struct stp_scene *scene,
+                                  const char *path, const struct file_bytes *bytes,
+                                  const struct raw_volume *raw,
+                                  const struct stp_load_params *params)
+{
+    struct grid grid = { 0 };
+    enum stp_result result = volume_from_bytes(env, path, bytes, raw, &params->volume, &grid);
+    if (result != STP_OK)
+        return result;
+    if (params->up != STP_UP_AUTO)
+        grid.up = params->up;
+    result = scene_add_volume(env, scene, &grid, &params->volume, params->material);
+    grid_release(&grid);
+    return result;
+}
+
+/* A file's points into the scene. entry NULL: no transform. */
+static enum stp_result add_points(const struct stp_env *env, struct stp_scene *scene,
+                                  const char *path, const struct file_bytes *bytes,
+                                  const struct stp_load_params *params,
+                                  const struct scene_entry *entry)
 {
     const struct load_options options = { .transfer = params->transfer,
                                           .color_by = params->color_by };
@@ -65,7 +97,7 @@ static enum stp_result add_file(const struct stp_env *env, struct stp_scene *sce
                                               .opacity = params->opacity,
                                               .optics = params->optics };
     struct cloud cloud = { 0 };
-    enum stp_result result = load_points(env, path, &options, &cloud);
+    enum stp_result result = load_from_bytes(env, path, bytes, &options, &cloud);
     if (result != STP_OK)
         return result;
     if (entry && entry->transformed)
@@ -74,6 +106,28 @@ static enum stp_result add_file(const struct stp_env *env, struct stp_scene *sce
         cloud.up = params->up;
     result = scene_add_cloud(env, scene, &cloud, &object);
     cloud_release(&cloud);
+    return result;
+}
+
+/* One point file, or a volume, into the scene. */
+static enum stp_result add_file(const struct stp_env *env, struct stp_scene *scene,
+                                const char *path, const struct stp_load_params *params,
+                                const struct scene_entry *entry)
+{
+    struct file_bytes bytes;
+    struct raw_volume raw = { 0 };
+    bool is_volume;
+    log_progress(env, "load", 0);
+    enum stp_result result = file_read(env, path, &bytes);
+    if (result != STP_OK)
+        return result;
+    result = find_volume(env, path, &bytes, &params->volume, &raw, &is_volume);
+    if (result == STP_OK)
+        result = is_volume ? add_volume(env, scene, path, &bytes, &raw, params)
+                           : add_points(env, scene, path, &bytes, params, entry);
+    file_release(&bytes);
+    if (result == STP_OK)
+        log_progress(env, "load", 1);
     return result;
 }
 
@@ -89,6 +143,26 @@ static enum stp_result add_entries(const struct json_at *root, const cJSON *json
             result = add_file(root->env, scene, entry.file, &entry.params, &entry);
         mem_free(entry.file);
     }
+    return result;
+}
+
+static enum stp_result add_json_volume(const struct json_at *root, const cJSON *json,
+                                       const struct stp_load_params *params,
+                                       struct stp_scene *scene)
+{
+    struct volume_entry entry;
+    if (!json_has(json, "volume"))
+        return STP_OK;
+    enum stp_result result = volume_json_entry(root, json, params, &entry);
+    if (result == STP_OK)
+        result = add_file(root->env, scene, entry.file, &entry.params, NULL);
+    if (result == STP_OK && !scene->volume)
+        result = json_error(root, "volume", "the file holds points, no volume");
+    if (result == STP_OK && entry.has_function) {
+        scene->volume->transfer = entry.function;
+        scene->volume->automatic = false;
+    }
+    volume_entry_release(&entry);
     return result;
 }
 
@@ -115,6 +189,8 @@ static enum stp_result load_json(const struct stp_env *env, const char *path,
         if (resolved.up == STP_UP_AUTO)
             resolved.up = up;
         result = add_entries(&root, json, &resolved, entries, scene);
+        if (result == STP_OK)
+            result = add_json_volume(&root, json, &resolved, scene);
     }
     cJSON_Delete(json);
     return result;

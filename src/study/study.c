@@ -201,6 +201,8 @@ enum stp_result stp_report(const struct stp_env *env, struct stp_context *contex
                            const struct stp_report_params *params, const char *folder)
 {
     struct study study = { .env = env, .context = context, .scene = scene, .camera = camera };
+    if (scene->volume)
+        return log_error(env, STP_ERROR_ARGUMENT, "reports are of surfaces, not of volumes");
     if (!context || !scene->prepared || !scene->splats.count)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "a report needs a context and a prepared scene with splats");

@@ -253,5 +253,56 @@ def make_gzip():
     seed("gzip", "plain", b"no gzip at all, and long enough")
 
 
-for make in (make_las, make_pcd, make_ply, make_text, make_json, make_exr, make_gzip):
+# Volumes -----------------------------------------------------------------------------------------
+def nifti(order, code, voxels, dims, srow=None, quaternion=None):
+    head = bytearray(352)
+    struct.pack_into(order + "i", head, 0, 348)
+    struct.pack_into(order + "8h", head, 40, 3, *dims, 1, 1, 1, 1)
+    struct.pack_into(order + "h", head, 70, code)
+    struct.pack_into(order + "8f", head, 76, -1, 1, 2, 3, 0, 0, 0, 0)
+    struct.pack_into(order + "3f", head, 108, 352, 2, -1)
+    if quaternion:
+        struct.pack_into(order + "h", head, 252, 1)
+        struct.pack_into(order + "6f", head, 256, *quaternion, 5, 6, 7)
+    if srow:
+        struct.pack_into(order + "h", head, 254, 1)
+        struct.pack_into(order + "12f", head, 280, *srow)
+    head[344:348] = b"n+1\0"
+    return bytes(head) + voxels
+
+
+def make_volume():
+    bytes8, floats = bytes(range(24)), struct.pack("<24f", *range(24))
+    dims = (2, 3, 4)
+    seed("volume", "plain.nii", nifti("<", 2, bytes8, dims))
+    seed("volume", "turned.nii", nifti("<", 16, floats, dims, (0, 2, 0, 1, 0, 0, -3, 2, 1, 0, 0, 3)))
+    seed("volume", "quaternion.nii", nifti(">", 256, bytes8, dims, None, (0.5, 0.5, 0.5)))
+    nrrd = "NRRD0005\n# seed\ntype: {}\ndimension: 3\nsizes: 2 3 4\nspace: left-posterior-superior\n" \
+           "space directions: (1,0,0) (0,0,2) (0,-3,0)\nspace origin: (1,2,3)\n" \
+           "encoding: {}\nendian: little\n{}\n"
+    seed("volume", "raw.nrrd", nrrd.format("float", "raw", "byte skip: -1\n").encode() + floats)
+    seed("volume", "packed.nrrd", nrrd.format("uint8", "gzip", "").encode()
+         + gzip.compress(bytes8, mtime=0))
+    seed("volume", "detached.nrrd", nrrd.format("uint8", "raw", "data file: none.raw\n"))
+    meta = "ObjectType = Image\nNDims = 3\nTransformMatrix = 1 0 0 0 1 0 0 0 1\nOffset = 1 2 3\n" \
+           "CompressedData = {}\nDimSize = 2 3 4\nElementSpacing = 1 1 2\nElementType = MET_UCHAR\n" \
+           "HeaderSize = {}\nElementDataFile = {}\n"
+    seed("volume", "local.mha", meta.format("False", 0, "LOCAL").encode() + bytes8)
+    seed("volume", "packed.mha", meta.format("True", 0, "LOCAL").encode() + zlib.compress(bytes8))
+    seed("volume", "last.mha", meta.format("False", -1, "LOCAL").encode() + b"pad" + bytes8)
+    inr = b"#INRIMAGE-4#{\nXDIM=2\nYDIM=3\nZDIM=4\nVDIM=1\nTYPE=float\nPIXSIZE=32 bits\n" \
+          b"CPU=decm\nVX=1\nVY=1\nVZ=2.5\n"
+    seed("volume", "float.inr", inr + b"\n" * (252 - len(inr)) + b"##}\n" + floats)
+    seed("volume", "raw", bytes(range(64)))
+
+
+def make_transfer_json():
+    seed("transfer_json", "values.json", '{"name": "n", "unit": "value", "points": ['
+         '{"value": -1, "opacity": 0, "color": "#80ff00"}, {"value": 2, "opacity": 1, '
+         '"color": [1, 0.5, 2]}, {"value": 2, "opacity": 0.5}], "comment": "c"}')
+    seed("transfer_json", "range.json", '{"unit": "range", "points": [{"value": 0, "opacity": 1}]}')
+
+
+for make in (make_las, make_pcd, make_ply, make_text, make_json, make_exr, make_gzip, make_volume,
+             make_transfer_json):
     make()

@@ -64,6 +64,15 @@ struct verdict {
  * pixel, and epsilon, radii and near plane changed by rounding's share. A pixel where those differ
  * is fragile: an outline, the end of an epsilon or a cut passes so close to its centre that float32
  * may fall on either side. Every other pixel has to agree within the tolerance. */
+/* Those renderings; they serve every plan of one scene and view that quantises depth alike. */
+#define TRUTH_VARIANTS 4
+struct truth {
+    struct stp_image *image, *variant[TRUTH_VARIANTS];
+};
+void truth_make(const struct stp_scene *scene, const struct stp_plan *plan, struct truth *truth);
+void truth_destroy(struct truth *truth);
+struct verdict judge_against(const struct truth *truth, double epsilon,
+                             const struct stp_image *image, const struct tolerance *tolerance);
 struct verdict judge(const struct stp_scene *scene, const struct stp_plan *plan,
                      const struct stp_image *image, const struct tolerance *tolerance);
 /* Plans, renders, judges, and fails with `what` in the message. */

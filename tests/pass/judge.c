@@ -13,7 +13,7 @@ const struct tolerance float_tolerance = {
     .color = 1e-4, .normal = 2e-4, .depth = 1e-3, .psnr = 110, .fragile = 0.03
 };
 
-#define VARIANTS 4
+#define VARIANTS TRUTH_VARIANTS
 #define SHIFT    3e-4 /* pixels */
 #define JUMP     0.01 /* what moving the picture by so little changes only where it is not smooth */
 
@@ -119,27 +119,45 @@ static void judge_pixel(struct verdict *verdict, const struct pixel *seen,
     *squares += d.square;
 }
 
-struct verdict judge(const struct stp_scene *scene, const struct stp_plan *plan,
-                     const struct stp_image *image, const struct tolerance *tolerance)
+void truth_make(const struct stp_scene *scene, const struct stp_plan *plan, struct truth *truth)
+{
+    truth->image = reference_of(scene, plan, -1);
+    for (int v = 0; v < VARIANTS; v++)
+        truth->variant[v] = reference_of(scene, plan, v);
+}
+
+void truth_destroy(struct truth *truth)
+{
+    stp_image_destroy(&truth->image);
+    for (int v = 0; v < VARIANTS; v++)
+        stp_image_destroy(&truth->variant[v]);
+}
+
+struct verdict judge_against(const struct truth *truth, double epsilon,
+                             const struct stp_image *image, const struct tolerance *tolerance)
 {
     struct verdict verdict = { 0 };
-    struct stp_image *truth = reference_of(scene, plan, -1), *variant[VARIANTS];
-    double squares = 0, epsilon = plan->frame.epsilon;
-    for (int v = 0; v < VARIANTS; v++)
-        variant[v] = reference_of(scene, plan, v);
+    double squares = 0;
     for (size_t at = 0; at < (size_t)image->width * image->height; at++) {
-        struct pixel seen = pixel_at(image, at), right = pixel_at(truth, at);
+        struct pixel seen = pixel_at(image, at), right = pixel_at(truth->image, at);
         bool covered = isfinite(seen.z) || isfinite(right.z);
         verdict.covered += covered;
-        if (fragile(variant, &right, at, epsilon))
+        if (fragile(truth->variant, &right, at, epsilon))
             verdict.fragile++;
         else
             judge_pixel(&verdict, &seen, &right, tolerance, epsilon, &squares);
     }
     verdict.psnr = squares > 0 ? -10 * log10(squares / fmax(1, (double)verdict.covered)) : INFINITY;
-    stp_image_destroy(&truth);
-    for (int v = 0; v < VARIANTS; v++)
-        stp_image_destroy(&variant[v]);
+    return verdict;
+}
+
+struct verdict judge(const struct stp_scene *scene, const struct stp_plan *plan,
+                     const struct stp_image *image, const struct tolerance *tolerance)
+{
+    struct truth truth;
+    truth_make(scene, plan, &truth);
+    struct verdict verdict = judge_against(&truth, plan->frame.epsilon, image, tolerance);
+    truth_destroy(&truth);
     return verdict;
 }
 

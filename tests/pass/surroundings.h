@@ -32,16 +32,16 @@ static inline void surround(struct stp_scene *scene, uint32_t width, uint32_t he
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++) {
             double longitude = ((x + 0.5) / width * 2 - 1) * pi, polar = (y + 0.5) / height * pi;
-            struct vec3 c = sky(v3(sin(polar) * sin(longitude), cos(polar),
-                                   sin(polar) * cos(longitude)));
+            struct vec3 c =
+                sky(v3(sin(polar) * sin(longitude), cos(polar), sin(polar) * cos(longitude)));
             float *t = texel[(size_t)y * width + x];
             t[0] = (float)c.x;
             t[1] = (float)c.y;
             t[2] = (float)c.z;
         }
-    assert_int_equal(stp_scene_set_environment(NULL, scene, width, height,
-                                               (const float(*)[3])texel, params),
-                     STP_OK);
+    assert_int_equal(
+        stp_scene_set_environment(NULL, scene, width, height, (const float(*)[3])texel, params),
+        STP_OK);
     free(texel);
 }
 

@@ -132,6 +132,30 @@ static void test_tiny_splats(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* Edge-on discs that the floor keeps: up to 2800 pixels long and 1.5 or 8 thin. One tip of each
+ * lies in the picture, where the squares of its form differ by eight decimals. */
+static void test_long_floored_splats(void **state)
+{
+    static const double radii[] = { 0.3, 1, 2 }, floors[] = { 1.5, 8 };
+    struct stp_camera camera = plain_camera(64, 56, 1400);
+    uint32_t seed = 77;
+    for (int i = 0; i < 6; i++) {
+        struct stp_scene *scene = scene_make(24, 1, 0.05);
+        struct stp_render_params p = { .min_splat = floors[i % 2] };
+        for (int k = 0; k < 24; k++) {
+            double turn = k * M_PI / 12, r = radii[i / 2], tilt = 1e-8 * uniform(&seed);
+            struct vec3 u = v3(cos(turn), sin(turn), 0), tip = random_point(&seed, 0.035);
+            struct vec3 c = v3_sub(v3(tip.x, tip.y, -2 - 0.1 * k), v3_scale(u, r));
+            struct vec3 n = v3_unit(v3_cross(u, c));
+            scene_add(scene, c, v3_sub(n, v3_scale(v3_unit(c), tilt)), r);
+        }
+        scene_finish(scene);
+        scene_own_groups(scene);
+        expect_everywhere(&device, scene, &camera, &p, "long floored splats");
+        stp_scene_destroy(&scene);
+    }
+}
+
 /* 2048 x 2048 is the largest tile, and one splat covers it whole: 65536 blocks. */
 static void test_a_splat_over_the_largest_tile(void **state)
 {
@@ -159,6 +183,7 @@ int main(void)
         cmocka_unit_test(test_nothing_to_see),
         cmocka_unit_test(test_two_sheets),
         cmocka_unit_test(test_tiny_splats),
+        cmocka_unit_test(test_long_floored_splats),
         cmocka_unit_test(test_a_splat_over_the_largest_tile),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

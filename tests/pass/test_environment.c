@@ -77,7 +77,8 @@ static void test_mirrors(void **state)
     struct stp_camera camera = plain_camera(33, 33, 30);
     struct stp_scene *scene = sheet(3);
     set_optics(scene, 0, &(struct stp_optics){ .reflectance = { 0.9f, 0.6f, 0.2f } });
-    set_optics(scene, 1, &(struct stp_optics){ .reflectance = { 0.5f, 0.5f, 0.5f }, .roughness = 0.4f });
+    set_optics(scene, 1,
+               &(struct stp_optics){ .reflectance = { 0.5f, 0.5f, 0.5f }, .roughness = 0.4f });
     set_optics(scene, 2, &(struct stp_optics){ .ior = { 1, 1, 1 } });
     surround(scene, 32, 16, smooth_sky, NULL);
     every_way(scene, &camera, params, &rough, "mirrors, sharp, rough and none");
@@ -100,7 +101,9 @@ static void test_lamp(void **state)
 static void test_all_around(void **state)
 {
     const struct stp_render_params params = { .min_splat = -1, .environment_behind = true };
-    const struct vec3 at[] = { { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { -1, 0, 0.01 }, { 1, 0.2, 0 } };
+    const struct vec3 at[] = {
+        { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { -1, 0, 0.01 }, { 1, 0.2, 0 }
+    };
     const struct tolerance tight = { 1e-5, 0, 0, 90, 0 };
     for (int i = 0; i < 5; i++) {
         struct stp_scene *scene = scene_make(1, 1, 0.1);
@@ -139,8 +142,9 @@ static void test_between_levels(void **state)
     assert_non_null(scene->objects);
     for (unsigned i = 0; i < 20; i++) {
         scene->objects[i] = scene->objects[i % 8];
-        set_optics(scene, i, &(struct stp_optics){ .reflectance = { 0.9f, 0.9f, 0.9f },
-                                                   .roughness = 0.2f + 0.035f * (float)i });
+        set_optics(scene, i,
+                   &(struct stp_optics){ .reflectance = { 0.9f, 0.9f, 0.9f },
+                                         .roughness = 0.2f + 0.035f * (float)i });
     }
     scene->object_count = 20;
     surround(scene, 64, 32, smooth_sky, NULL);
@@ -169,9 +173,9 @@ static void test_tiles(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sharp),          cmocka_unit_test(test_mirrors),
-        cmocka_unit_test(test_lamp),           cmocka_unit_test(test_all_around),
-        cmocka_unit_test(test_samples),        cmocka_unit_test(test_between_levels),
+        cmocka_unit_test(test_sharp),   cmocka_unit_test(test_mirrors),
+        cmocka_unit_test(test_lamp),    cmocka_unit_test(test_all_around),
+        cmocka_unit_test(test_samples), cmocka_unit_test(test_between_levels),
         cmocka_unit_test(test_tiles),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

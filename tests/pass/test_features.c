@@ -55,6 +55,29 @@ static void test_without_float32_blend(void **state)
     device_close(&device);
 }
 
+/* Rasterised layers and sums are read as storage images; compute keeps its own in buffers. */
+static void test_without_storage_formats(void **state)
+{
+    struct device device;
+    device_open(&device, STP_FEATURE_STORAGE_FORMATS);
+    struct stp_scene *scene = scene_random(37, 8, 0.05);
+    struct stp_camera camera = hard_view(0, 33, 25);
+    struct stp_render_params p = { .min_splat = 4 };
+    scene_own_groups(scene);
+    for (int m = STP_METHOD_DEFERRED; m <= STP_METHOD_EXACT; m++) {
+        p.method = m;
+        p.path = STP_PATH_AUTO;
+        expect_reference(&device, scene, &camera, &p,
+                         m == STP_METHOD_TWO_PASS ? &float_tolerance : &packed_tolerance,
+                         "no storage formats");
+        p.path = STP_PATH_RASTER;
+        if (m != STP_METHOD_EXACT)
+            expect_refused(&device, scene, &camera, p, "shaderStorageImageExtendedFormats");
+    }
+    stp_scene_destroy(&scene);
+    device_close(&device);
+}
+
 /* Centres are projected in float32: outlines move, by less than a hundredth of a pixel here. */
 static void test_without_float64(void **state)
 {
@@ -157,9 +180,13 @@ static void test_fifty_groups(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_without_int64_atomics), cmocka_unit_test(test_without_float32_blend),
-        cmocka_unit_test(test_without_float64),       cmocka_unit_test(test_without_int64),
-        cmocka_unit_test(test_vertex_layer),          cmocka_unit_test(test_fifty_groups),
+        cmocka_unit_test(test_without_int64_atomics),
+        cmocka_unit_test(test_without_float32_blend),
+        cmocka_unit_test(test_without_float64),
+        cmocka_unit_test(test_without_int64),
+        cmocka_unit_test(test_without_storage_formats),
+        cmocka_unit_test(test_vertex_layer),
+        cmocka_unit_test(test_fifty_groups),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

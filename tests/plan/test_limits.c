@@ -6,7 +6,7 @@
 static const char *const good =
     "{\"device\": \"Fast \\\"GPU\\\"\", \"driver\": \"1.2.3\",\n"
     " \"features\": [\"int64-atomics\", \"vertex-layer\", \"float32-blend\", \"int64\", "
-    "\"float64\"],\n"
+    "\"float64\", \"storage-formats\"],\n"
     " \"heap_bytes\": 8589934592, \"max_allocation\": 4294967292, \"max_image_size\": 32768,\n"
     " \"max_image_layers\": 2048, \"max_workgroups\": 2147483647, \"processor\": 2}\n";
 
@@ -35,7 +35,7 @@ static void test_read(void **state)
     assert_int_equal(log.lines, 0);
     assert_string_equal(limits.device, "Fast \"GPU\"");
     assert_string_equal(limits.driver, "1.2.3");
-    assert_int_equal(limits.features, 31);
+    assert_int_equal(limits.features, 63);
     assert_true(limits.heap_bytes == 8589934592u && limits.max_allocation == 4294967292u);
     assert_true(limits.max_image_size == 32768 && limits.max_image_layers == 2048);
     assert_true(limits.max_workgroups == 2147483647 && limits.processor == 2);
@@ -91,11 +91,11 @@ static void test_missing(void **state)
 
 static void test_feature_names(void **state)
 {
-    static const char *const names[] = { "int64-atomics", "vertex-layer", "float32-blend", "int64",
-                                         "float64" };
-    for (unsigned i = 0; i < 5; i++)
+    static const char *const names[] = { "int64-atomics", "vertex-layer", "float32-blend",
+                                         "int64",         "float64",      "storage-formats" };
+    for (unsigned i = 0; i < 6; i++)
         assert_string_equal(stp_feature_name((enum stp_feature)(1 << i)), names[i]);
-    assert_null(stp_feature_name((enum stp_feature)32));
+    assert_null(stp_feature_name((enum stp_feature)64));
     assert_null(stp_feature_name((enum stp_feature)3));
 }
 

@@ -324,9 +324,9 @@ static void test_payload(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_features),  cmocka_unit_test(test_the_least),
-        cmocka_unit_test(test_voronoi),   cmocka_unit_test(test_groups),
-        cmocka_unit_test(test_squarings), cmocka_unit_test(test_payload),
+        cmocka_unit_test(test_features),          cmocka_unit_test(test_the_least),
+        cmocka_unit_test(test_voronoi),           cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_squarings),         cmocka_unit_test(test_payload),
         cmocka_unit_test(test_unmet_environment),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

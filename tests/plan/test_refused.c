@@ -24,6 +24,17 @@ static void raster_without_blend(struct inputs *in)
     in->params.path = STP_PATH_RASTER;
     in->limits.features &= ~(unsigned)STP_FEATURE_FLOAT32_BLEND;
 }
+static void raster_without_formats(struct inputs *in)
+{
+    in->params.method = STP_METHOD_TWO_PASS;
+    in->params.path = STP_PATH_RASTER;
+    in->params.mask_features = STP_FEATURE_STORAGE_FORMATS;
+}
+static void deferred_without_any(struct inputs *in)
+{
+    in->params.method = STP_METHOD_DEFERRED;
+    in->params.mask_features = STP_FEATURE_INT64_ATOMICS | STP_FEATURE_STORAGE_FORMATS;
+}
 static void no_groups(struct inputs *in)
 {
     in->params.method = STP_METHOD_DEFERRED;
@@ -127,6 +138,8 @@ static const struct {
     { auto_raster, STP_ERROR_ARGUMENT, "raster" },
     { deferred_without_atomics, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { raster_without_blend, STP_ERROR_FEATURE, "blending" },
+    { raster_without_formats, STP_ERROR_FEATURE, "shaderStorageImageExtendedFormats" },
+    { deferred_without_any, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { no_groups, STP_ERROR_ARGUMENT, "stp_scene_group" },
     { voronoi_exact_raster, STP_ERROR_ARGUMENT, "slab" },
     { no_width, STP_ERROR_ARGUMENT, "0 x 48" },

@@ -73,8 +73,8 @@ static double worst_of(const struct stp_image *image, const struct stp_camera *c
             const double light[3] = { sky.x, sky.y, sky.z };
             for (int k = 0; k < 3; k++) {
                 double r = (double)o->reflectance[k];
-                double f = r > 0 ? r + (1 - r) * pow(1 - cosine, 5)
-                                 : fresnel((double)o->ior[k], cosine);
+                double f =
+                    r > 0 ? r + (1 - r) * pow(1 - cosine, 5) : fresnel((double)o->ior[k], cosine);
                 double seen = (double)value(image, names[k], x, y);
                 worst = fmax(worst, fabs(seen - f * light[k]));
             }

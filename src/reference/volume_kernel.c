@@ -1,0 +1,144 @@
+/* One kernel and one ray: the line integral of a Gaussian, exactly, in perspective. */
+#include <math.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/thread.h"
+#include "reference/volume.h"
+
+static struct vec3 times(const double m[6], struct vec3 v)
+{
+    return v3(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
+              m[2] * v.x + m[4] * v.y + m[5] * v.z);
+}
+
+/* The grid's axes in the camera frame scale the kernel: precision = sum of a a^T / s^2. */
+static void set_shape(struct medium *medium)
+{
+    const double *spacing = medium->volume->grid.spacing;
+    double half[3] = { 0 }, *p = medium->precision;
+    for (int axis = 0; axis < 3; axis++) {
+        double s = KERNEL_SIGMA * spacing[axis], w = 1 / (s * s);
+        struct vec3 a = eye_direction(&medium->view->eye, v3(axis == 0, axis == 1, axis == 2));
+        p[0] += w * a.x * a.x;
+        p[1] += w * a.x * a.y;
+        p[2] += w * a.x * a.z;
+        p[3] += w * a.y * a.y;
+        p[4] += w * a.y * a.z;
+        p[5] += w * a.z * a.z;
+        half[0] += s * s * a.x * a.x;
+        half[1] += s * s * a.y * a.y;
+        half[2] += s * s * a.z * a.z;
+    }
+    medium->half = v3_scale(v3(sqrt(half[0]), sqrt(half[1]), sqrt(half[2])), KERNEL_REACH);
+    double sigma3 = KERNEL_SIGMA * KERNEL_SIGMA * KERNEL_SIGMA;
+    double kept = -expm1(-0.5 * KERNEL_REACH * KERNEL_REACH);
+    medium->amplitude = 1 / (pow(2 * M_PI, 1.5) * sigma3 * kept);
+}
+
+struct vec3 medium_centre(const struct medium *medium, uint32_t kernel)
+{
+    const struct grid *grid = &medium->volume->grid;
+    uint32_t at[3];
+    double world[3];
+    voxel_place(grid, medium->volume->kernels.voxel[kernel], at);
+    for (int axis = 0; axis < 3; axis++)
+        world[axis] = grid->origin[axis] + at[axis] * grid->spacing[axis];
+    return eye_point(&medium->view->eye, world);
+}
+
+static void shade_range(void *context, size_t begin, size_t end, unsigned worker)
+{
+    struct medium *medium = context;
+    const struct kernels *k = &medium->volume->kernels;
+    for (size_t i = begin; i < end; i++) {
+        struct vec3 albedo = v3_loadf(k->color[i]), c = albedo;
+        struct vec3 n = k->normal ? v3_loadf(k->normal[i]) : v3(0, 0, 0);
+        if (n.x != 0 || n.y != 0 || n.z != 0) {
+            struct vec3 point = medium_centre(medium, (uint32_t)i);
+            n = v3_unit(eye_direction(&medium->view->eye, n));
+            if (v3_dot(n, eye_view(&medium->view->eye, point)) > 0)
+                n = v3_scale(n, -1);
+            struct surface lit = { .normal = n, .point = point, .albedo = albedo };
+            c = surface_shade(medium->view, &lit);
+        }
+        medium->shaded[i][0] = c.x;
+        medium->shaded[i][1] = c.y;
+        medium->shaded[i][2] = c.z;
+    }
+}
+
+enum stp_result medium_init(const struct stp_env *env, const struct view *view,
+                            struct medium *medium)
+{
+    const struct volume *volume = view->scene->volume;
+    struct medium made = { .view = view, .volume = volume, .least_alpha = LEAST_ALPHA };
+    set_shape(&made);
+    made.shaded = mem_alloc(volume->kernels.count, sizeof *made.shaded);
+    if (!made.shaded)
+        return log_no_memory(env, volume->kernels.count * sizeof *made.shaded, "shaded kernels");
+    parallel_for(env, volume->kernels.count, 4096, shade_range, &made);
+    *medium = made;
+    return STP_OK;
+}
+
+void medium_release(struct medium *medium)
+{
+    mem_free(medium->shaded);
+    medium->shaded = NULL;
+}
+
+/* The share of a Gaussian around 0 of deviation 1 / (sqrt 2 root) that lies in [from, to]. */
+static double share(double from, double to, double root)
+{
+    if (from * root < -6 && to * root > 6)
+        return 1; /* to the last bit */
+    return 0.5 * (erfc(from * root) - erfc(to * root));
+}
+
+bool medium_hit(const struct medium *medium, struct vec3 centre, double tau, const struct ray *ray,
+                struct medium_fragment *fragment)
+{
+    const struct eye *eye = &medium->view->eye;
+    struct vec3 e = v3_sub(ray->start, centre);
+    struct vec3 along = times(medium->precision, ray->along);
+    double a = v3_dot(ray->along, along), peak = -v3_dot(e, along) / a;
+    /* From the nearest point, not as a difference of squares: a far kernel keeps its digits. */
+    struct vec3 d = v3_add(e, v3_scale(ray->along, peak));
+    double m2 = v3_dot(d, times(medium->precision, d));
+    double depth = fmin(fmax(peak, eye->near_depth), eye->far_depth);
+    if (m2 + a * (depth - peak) * (depth - peak) > KERNEL_REACH * KERNEL_REACH)
+        return false;
+    double visible = share(eye->near_depth - peak, eye->far_depth - peak, sqrt(0.5 * a));
+    double integral =
+        medium->amplitude * v3_length(ray->along) * sqrt(2 * M_PI / a) * exp(-0.5 * m2) * visible;
+    fragment->depth = depth;
+    fragment->alpha = -expm1(-tau * integral);
+    return fragment->alpha >= medium->least_alpha;
+}
+
+/* Where x / z can lie for x in [low, high], z in [near, far], both positive. */
+static void quotients(double low, double high, double near, double far, double out[2])
+{
+    out[0] = low / (low < 0 ? near : far);
+    out[1] = high / (high > 0 ? near : far);
+}
+
+bool medium_bounds(const struct medium *medium, struct vec3 c, double bounds[4])
+{
+    const struct eye *eye = &medium->view->eye;
+    struct vec3 h = medium->half;
+    double near = fmax(-c.z - h.z, eye->near_depth), far = fmin(-c.z + h.z, eye->far_depth);
+    double x[2] = { c.x - h.x, c.x + h.x }, y[2] = { -c.y - h.y, -c.y + h.y };
+    if (!(near <= far))
+        return false;
+    if (!eye->orthographic) {
+        quotients(x[0], x[1], near, far, x);
+        quotients(y[0], y[1], near, far, y);
+    }
+    for (int i = 0; i < 2; i++) {
+        bounds[i] = eye->cx + eye->fx * x[i];
+        bounds[2 + i] = eye->cy + eye->fy * y[i];
+    }
+    return true;
+}
