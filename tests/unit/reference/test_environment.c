@@ -72,7 +72,10 @@ static double worst_of(const struct stp_image *image, const struct stp_camera *c
             struct vec3 sky = sky_of(v3_add(d, v3_scale(n, 2 * cosine)));
             const double light[3] = { sky.x, sky.y, sky.z };
             for (int k = 0; k < 3; k++) {
-                double r = (double)o->reflectance[k];
+                double r = (double)o->reflectance[k], critical = (double)o->ior[k];
+                /* There the slope is infinite: a splat's normal is not true enough. */
+                if (fabs(sqrt(1 - cosine * cosine) - critical) < 0.02)
+                    continue;
                 double f =
                     r > 0 ? r + (1 - r) * pow(1 - cosine, 5) : fresnel((double)o->ior[k], cosine);
                 double seen = (double)value(image, names[k], x, y);
