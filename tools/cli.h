@@ -216,13 +216,33 @@ int context_finish(struct context_job *job, const struct stp_limits **limits);
 /* Safe for a job that was never started. */
 void context_close(struct context_job *job);
 
-/* --- stats.c ------------------------------------------------------------------------------- */
+/* --- json_out.c ------------------------------------------------------------------------------ */
 
 struct cJSON;
-/* One frame's object, with the keys that the man page lists; NULL: out of memory. */
-struct cJSON *stats_object(const struct stp_limits *limits, const struct stp_facts *facts,
-                           const struct stp_plan *plan, const struct stp_render_stats *stats,
-                           const struct run_times *times);
+/* JSON being built: what there was no memory for is left out and remembered, so that only the end
+ * has to ask. Into a parent of NULL nothing is put. */
+struct json_out {
+    bool failed;
+};
+struct cJSON *json_begin(struct json_out *out, struct cJSON *root); /* notes a NULL */
+/* key NULL: the parent is an array. */
+struct cJSON *json_object(struct json_out *out, struct cJSON *parent, const char *key);
+struct cJSON *json_array(struct json_out *out, struct cJSON *parent, const char *key);
+/* What is not finite becomes null. */
+void json_number(struct json_out *out, struct cJSON *parent, const char *key, double value);
+void json_numbers(struct json_out *out, struct cJSON *parent, const char *key, const double *values,
+                  int count);
+void json_text(struct json_out *out, struct cJSON *parent, const char *key, const char *value);
+void json_bool(struct json_out *out, struct cJSON *parent, const char *key, bool value);
+/* To stdout; says so, and EXIT_FAILED, where something is missing. */
+int json_print(struct console *console, struct json_out *out, const struct cJSON *root);
+
+/* --- stats.c ------------------------------------------------------------------------------- */
+
+/* One frame's object, with the keys that the man page lists, at the end of the list. */
+void stats_add(struct json_out *out, struct cJSON *list, const struct stp_limits *limits,
+               const struct stp_facts *facts, const struct stp_plan *plan,
+               const struct stp_render_stats *render, const struct run_times *times);
 
 /* --- the commands -------------------------------------------------------------------------- */
 

@@ -77,46 +77,38 @@ static void print_text(const struct stp_comparison *c, const struct color_row *c
 }
 
 /* Infinity has no JSON: null, as for what is not in both pictures. */
-static void add_number(cJSON *json, const char *key, double value)
+static int print_json(struct console *console, const struct stp_comparison *c,
+                      const struct color_row *colors, const struct row *rows)
 {
-    if (isfinite(value))
-        cJSON_AddNumberToObject(json, key, value);
-    else
-        cJSON_AddNullToObject(json, key);
-}
-
-static void print_json(const struct stp_comparison *c, const struct color_row *colors,
-                       const struct row *rows)
-{
-    cJSON *json = cJSON_CreateObject();
-    cJSON *covered = cJSON_AddObjectToObject(json, "covered");
-    cJSON *all = cJSON_AddObjectToObject(json, "all");
-    cJSON_AddNumberToObject(covered, "pixels", (double)c->covered.pixels);
-    cJSON_AddNumberToObject(all, "pixels", (double)c->all.pixels);
+    struct json_out building = { 0 }, *out = &building;
+    cJSON *json = json_begin(out, cJSON_CreateObject());
+    cJSON *covered = json_object(out, json, "covered");
+    cJSON *all = json_object(out, json, "all");
+    json_number(out, covered, "pixels", (double)c->covered.pixels);
+    json_number(out, all, "pixels", (double)c->all.pixels);
     for (int i = 0; i < COLOR_ROWS; i++) {
-        add_number(covered, colors[i].key, colors[i].covered);
-        add_number(all, colors[i].key, colors[i].all);
+        json_number(out, covered, colors[i].key, colors[i].covered);
+        json_number(out, all, colors[i].key, colors[i].all);
     }
     for (int i = 0; i < ROWS; i++)
-        add_number(json, rows[i].key, rows[i].there ? rows[i].value : NAN);
-    char *text = cJSON_Print(json);
-    if (text)
-        puts(text);
-    free(text);
+        json_number(out, json, rows[i].key, rows[i].there ? rows[i].value : NAN);
+    int status = json_print(console, out, json);
     cJSON_Delete(json);
+    return status;
 }
 
-static void print_comparison(const struct settings *settings, const struct stp_comparison *c,
-                             const struct stp_image *a, const struct stp_image *b)
+static int print_comparison(struct console *console, const struct settings *settings,
+                            const struct stp_comparison *c, const struct stp_image *a,
+                            const struct stp_image *b)
 {
     struct color_row colors[COLOR_ROWS];
     struct row rows[ROWS];
     color_rows(c, colors);
     other_rows(c, a, b, settings->compare.epsilon > 0, rows);
     if (settings->json)
-        print_json(c, colors, rows);
-    else
-        print_text(c, colors, rows);
+        return print_json(console, c, colors, rows);
+    print_text(c, colors, rows);
+    return EXIT_DONE;
 }
 
 static int judge(struct console *console, const struct settings *settings,
@@ -144,8 +136,9 @@ int run_compare(struct settings *settings)
     /* Pictures of different sizes are bad input, not a wrong command line. */
     int status = result == STP_ERROR_ARGUMENT ? EXIT_BAD_INPUT : exit_of_input(result);
     if (status == EXIT_DONE) {
-        print_comparison(settings, &comparison, a, b);
-        status = judge(&console, settings, &comparison);
+        status = print_comparison(&console, settings, &comparison, a, b);
+        if (status == EXIT_DONE)
+            status = judge(&console, settings, &comparison);
     }
     stp_image_destroy(&a);
     stp_image_destroy(&b);

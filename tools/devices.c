@@ -39,31 +39,29 @@ static void print_device(const struct stp_device_info *device)
 }
 
 /* The profile that `stipple plan --limits` reads, and what was found out beside it. */
-static void print_profile(const struct stp_device_info *device)
+static int print_profile(struct console *console, const struct stp_device_info *device)
 {
     const struct stp_limits *limits = &device->limits;
-    cJSON *json = cJSON_CreateObject();
-    cJSON_AddStringToObject(json, "device", limits->device);
-    cJSON_AddStringToObject(json, "driver", limits->driver);
-    cJSON *features = cJSON_AddArrayToObject(json, "features");
+    struct json_out building = { 0 }, *out = &building;
+    cJSON *json = json_begin(out, cJSON_CreateObject());
+    json_text(out, json, "device", limits->device);
+    json_text(out, json, "driver", limits->driver);
+    cJSON *features = json_array(out, json, "features");
     for (unsigned bit = 1; stp_feature_name((enum stp_feature)bit); bit *= 2)
         if (limits->features & bit)
-            cJSON_AddItemToArray(features,
-                                 cJSON_CreateString(stp_feature_name((enum stp_feature)bit)));
-    cJSON_AddNumberToObject(json, "heap_bytes", (double)limits->heap_bytes);
-    cJSON_AddNumberToObject(json, "max_allocation", (double)limits->max_allocation);
-    cJSON_AddNumberToObject(json, "max_image_size", limits->max_image_size);
-    cJSON_AddNumberToObject(json, "max_image_layers", limits->max_image_layers);
-    cJSON_AddNumberToObject(json, "max_workgroups", limits->max_workgroups);
-    cJSON_AddNumberToObject(json, "processor", limits->processor);
-    cJSON_AddStringToObject(json, "api_version", device->api_version);
-    cJSON_AddBoolToObject(json, "usable", device->usable);
-    cJSON_AddStringToObject(json, "lacks", device->lacks);
-    char *text = cJSON_Print(json);
-    if (text)
-        puts(text);
-    free(text);
+            json_text(out, features, NULL, stp_feature_name((enum stp_feature)bit));
+    json_number(out, json, "heap_bytes", (double)limits->heap_bytes);
+    json_number(out, json, "max_allocation", (double)limits->max_allocation);
+    json_number(out, json, "max_image_size", limits->max_image_size);
+    json_number(out, json, "max_image_layers", limits->max_image_layers);
+    json_number(out, json, "max_workgroups", limits->max_workgroups);
+    json_number(out, json, "processor", limits->processor);
+    json_text(out, json, "api_version", device->api_version);
+    json_bool(out, json, "usable", device->usable);
+    json_text(out, json, "lacks", device->lacks);
+    int status = json_print(console, out, json);
     cJSON_Delete(json);
+    return status;
 }
 
 /* Keeps the devices whose name holds `part`, in order; returns how many. */
@@ -85,13 +83,14 @@ static const struct stp_device_info *first_usable(const struct stp_device_info *
     return &devices[0];
 }
 
-static void print_devices(const struct stp_device_info *devices, unsigned count)
+static int print_devices(const struct stp_device_info *devices, unsigned count)
 {
     for (unsigned i = 0; i < count; i++) {
         if (i)
             putchar('\n');
         print_device(&devices[i]);
     }
+    return EXIT_DONE;
 }
 
 int run_devices(struct settings *settings)
@@ -99,13 +98,14 @@ int run_devices(struct settings *settings)
     struct console console;
     struct stp_device_info *devices = calloc(MAX_DEVICES, sizeof *devices);
     unsigned count = 0;
+    int status = EXIT_FAILED;
     console_open(&console, settings);
     if (!devices) {
         console_error(&console, "out of memory");
-        return EXIT_FAILED;
+        console_close(&console);
+        return status;
     }
     enum stp_result result = stp_devices(&console.env, devices, MAX_DEVICES, &count);
-    console_close(&console);
     const char *part = settings->context.device;
     count = select_devices(devices, count > MAX_DEVICES ? MAX_DEVICES : count, part);
     if (result == STP_OK && count == 0)
@@ -113,9 +113,10 @@ int run_devices(struct settings *settings)
                       "no Vulkan device%s%s; mesa-vulkan-drivers brings one that needs no GPU",
                       part ? " whose name holds " : "", part ? part : "");
     else if (result == STP_OK && settings->json)
-        print_profile(first_usable(devices, count));
+        status = print_profile(&console, first_usable(devices, count));
     else if (result == STP_OK)
-        print_devices(devices, count);
+        status = print_devices(devices, count);
+    console_close(&console);
     free(devices);
-    return result == STP_OK && count ? EXIT_DONE : EXIT_FAILED;
+    return status;
 }

@@ -90,8 +90,8 @@ static void suggest(const char *path, struct intent *intent)
              stem, quote, quote, stem, quote);
 }
 
-static void find_intent(struct console *console, const struct settings *settings,
-                        struct stp_scene *scene, const char *path, struct intent *intent)
+static int find_intent(struct console *console, const struct settings *settings,
+                       struct stp_scene *scene, const char *path, struct intent *intent)
 {
     struct stp_limits limits;
     struct stp_camera camera;
@@ -102,12 +102,13 @@ static void find_intent(struct console *console, const struct settings *settings
     if (group_if_needed(console, settings, scene, &limits) != EXIT_DONE ||
         find_camera(console, settings, scene, 0, &camera, NULL) != EXIT_DONE ||
         stp_plan_create(&console->env, scene, &camera, &settings->render, &limits, &plan) != STP_OK)
-        return;
+        return EXIT_FAILED;
     stp_plan_summarize(plan, &summary);
     snprintf(intent->method, sizeof intent->method, "%s", stp_method_name(summary.method));
     snprintf(intent->path, sizeof intent->path, "%s", stp_path_name(summary.path));
     snprintf(intent->why, sizeof intent->why, "%s", summary.why);
     stp_plan_destroy(&plan);
+    return EXIT_DONE;
 }
 
 /* --- text ------------------------------------------------------------------------------------ */
@@ -230,7 +231,7 @@ static void print_text(const char *path, const struct stp_facts *facts,
 
 /* --- JSON ------------------------------------------------------------------------------------ */
 
-static void add_counts(cJSON *json, const struct stp_facts *facts)
+static void add_counts(struct json_out *out, cJSON *json, const struct stp_facts *facts)
 {
     const struct {
         const char *key;
@@ -244,72 +245,73 @@ static void add_counts(cJSON *json, const struct stp_facts *facts)
         { "no_normal", facts->no_normal },   { "groups", facts->grouping.groups },
     };
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
-        cJSON_AddNumberToObject(json, counts[i].key, (double)counts[i].value);
+        json_number(out, json, counts[i].key, (double)counts[i].value);
 }
 
-static void add_shape(cJSON *json, const struct stp_facts *facts)
+static void add_shape(struct json_out *out, cJSON *json, const struct stp_facts *facts)
 {
     static const char *const up[] = { "auto", "x", "y", "z", "-y" };
     const double radius[] = { facts->radius_min, facts->radius_median, facts->radius_max };
-    cJSON_AddItemToObject(json, "bounds", cJSON_CreateDoubleArray(facts->bounds, 6));
-    cJSON_AddItemToObject(json, "origin", cJSON_CreateDoubleArray(facts->origin, 3));
-    cJSON_AddStringToObject(json, "up", up[facts->up]);
-    cJSON *radii = cJSON_AddObjectToObject(json, "radius");
-    cJSON_AddNumberToObject(radii, "min", radius[0]);
-    cJSON_AddNumberToObject(radii, "median", radius[1]);
-    cJSON_AddNumberToObject(radii, "max", radius[2]);
-    cJSON_AddStringToObject(json, "normals",
-                            facts->normals == STP_NORMALS_GIVEN       ? "given"
-                            : facts->normals == STP_NORMALS_ESTIMATED ? "estimated"
-                                                                      : "none");
-    cJSON_AddNumberToObject(json, "outwardness", facts->outwardness);
-    cJSON_AddBoolToObject(json, "two_sided", facts->two_sided);
-    cJSON_AddBoolToObject(json, "eye_dome", facts->eye_dome);
-    cJSON_AddBoolToObject(json, "has_color", facts->has_color);
-    cJSON_AddNumberToObject(json, "color_max", facts->color_max);
-    cJSON_AddBoolToObject(json, "transparent", facts->transparent);
-    cJSON_AddBoolToObject(json, "mixed", facts->mixed);
-    cJSON_AddBoolToObject(json, "uniform_opacity", facts->uniform_opacity);
-    cJSON_AddNumberToObject(json, "opacity_min", facts->opacity_min);
-    cJSON_AddBoolToObject(json, "positional_lights", facts->positional_lights);
+    json_numbers(out, json, "bounds", facts->bounds, 6);
+    json_numbers(out, json, "origin", facts->origin, 3);
+    json_text(out, json, "up", up[facts->up]);
+    cJSON *radii = json_object(out, json, "radius");
+    json_number(out, radii, "min", radius[0]);
+    json_number(out, radii, "median", radius[1]);
+    json_number(out, radii, "max", radius[2]);
+    json_text(out, json, "normals",
+              facts->normals == STP_NORMALS_GIVEN       ? "given"
+              : facts->normals == STP_NORMALS_ESTIMATED ? "estimated"
+                                                        : "none");
+    json_number(out, json, "outwardness", facts->outwardness);
+    json_bool(out, json, "two_sided", facts->two_sided);
+    json_bool(out, json, "eye_dome", facts->eye_dome);
+    json_bool(out, json, "has_color", facts->has_color);
+    json_number(out, json, "color_max", facts->color_max);
+    json_bool(out, json, "transparent", facts->transparent);
+    json_bool(out, json, "mixed", facts->mixed);
+    json_bool(out, json, "uniform_opacity", facts->uniform_opacity);
+    json_number(out, json, "opacity_min", facts->opacity_min);
+    json_bool(out, json, "positional_lights", facts->positional_lights);
 }
 
-static void add_volume(cJSON *json, const struct stp_volume_facts *v)
+static void add_volume(struct json_out *out, cJSON *json, const struct stp_volume_facts *v)
 {
     const double dims[3] = { v->dims[0], v->dims[1], v->dims[2] };
     if (!v->dims[0])
         return;
-    cJSON *volume = cJSON_AddObjectToObject(json, "volume");
-    cJSON_AddItemToObject(volume, "dims", cJSON_CreateDoubleArray(dims, 3));
-    cJSON_AddItemToObject(volume, "spacing", cJSON_CreateDoubleArray(v->spacing, 3));
-    cJSON_AddNumberToObject(volume, "low", v->low);
-    cJSON_AddNumberToObject(volume, "high", v->high);
-    cJSON_AddNumberToObject(volume, "opacity_max", v->opacity_max);
-    cJSON_AddStringToObject(volume, "transfer_function", v->transfer_function);
+    cJSON *volume = json_object(out, json, "volume");
+    json_numbers(out, volume, "dims", dims, 3);
+    json_numbers(out, volume, "spacing", v->spacing, 3);
+    json_number(out, volume, "low", v->low);
+    json_number(out, volume, "high", v->high);
+    json_number(out, volume, "opacity_max", v->opacity_max);
+    json_text(out, volume, "transfer_function", v->transfer_function);
 }
 
-static cJSON *make_json(const char *path, const struct stp_facts *facts,
-                        const struct problems *problems, const struct intent *intent)
+/* One file's object of the list. */
+static void add_json(struct json_out *out, cJSON *list, const char *path,
+                     const struct stp_facts *facts, const struct problems *problems,
+                     const struct intent *intent)
 {
-    cJSON *json = cJSON_CreateObject();
-    cJSON_AddStringToObject(json, "file", path);
-    cJSON_AddStringToObject(json, "format", facts->format);
-    add_counts(json, facts);
-    add_shape(json, facts);
-    add_volume(json, &facts->volume);
-    cJSON *wrong = cJSON_AddArrayToObject(json, "wrong");
+    cJSON *json = json_object(out, list, NULL);
+    json_text(out, json, "file", path);
+    json_text(out, json, "format", facts->format);
+    add_counts(out, json, facts);
+    add_shape(out, json, facts);
+    add_volume(out, json, &facts->volume);
+    cJSON *wrong = json_array(out, json, "wrong");
     for (unsigned i = 0; i < problems->count; i++)
-        cJSON_AddItemToArray(wrong, cJSON_CreateString(problems->line[i]));
-    cJSON *would = cJSON_AddObjectToObject(json, "would");
-    cJSON_AddStringToObject(would, "method", intent->method);
-    cJSON_AddStringToObject(would, "path", intent->path);
-    cJSON_AddStringToObject(would, "why", intent->why);
-    cJSON_AddStringToObject(would, "command", intent->command);
-    return json;
+        json_text(out, wrong, NULL, problems->line[i]);
+    cJSON *would = json_object(out, json, "would");
+    json_text(out, would, "method", intent->method);
+    json_text(out, would, "path", intent->path);
+    json_text(out, would, "why", intent->why);
+    json_text(out, would, "command", intent->command);
 }
 
 static int describe(struct console *console, const struct settings *settings, const char *path,
-                    cJSON *list)
+                    struct json_out *out, cJSON *list)
 {
     struct stp_scene *scene = NULL;
     struct problems problems = { 0 };
@@ -317,23 +319,15 @@ static int describe(struct console *console, const struct settings *settings, co
     int status = load_and_prepare(console, settings, path, &scene, NULL);
     if (status != EXIT_DONE)
         return status;
-    find_intent(console, settings, scene, path, &intent);
+    status = find_intent(console, settings, scene, path, &intent);
     const struct stp_facts *facts = stp_scene_facts(scene);
     find_problems(facts, &problems);
-    if (list)
-        cJSON_AddItemToArray(list, make_json(path, facts, &problems, &intent));
+    if (settings->json)
+        add_json(out, list, path, facts, &problems, &intent);
     else
         print_text(path, facts, &problems, &intent);
     stp_scene_destroy(&scene);
-    return EXIT_DONE;
-}
-
-static void print_json(cJSON *list)
-{
-    char *text = cJSON_Print(list);
-    if (text)
-        puts(text);
-    free(text);
+    return status;
 }
 
 /* Goes on after a bad file; the worst status is the command's. */
@@ -341,17 +335,17 @@ int run_info(struct settings *settings)
 {
     struct console console;
     int worst = EXIT_DONE;
-    cJSON *list = settings->json ? cJSON_CreateArray() : NULL;
+    struct json_out out = { 0 };
+    cJSON *list = settings->json ? json_begin(&out, cJSON_CreateArray()) : NULL;
     console_open(&console, settings);
     for (int i = 0; i < settings->file_count; i++) {
-        int status = describe(&console, settings, settings->files[i], list);
-        if (i + 1 < settings->file_count && status == EXIT_DONE && !list)
+        int status = describe(&console, settings, settings->files[i], &out, list);
+        if (i + 1 < settings->file_count && status == EXIT_DONE && !settings->json)
             putchar('\n');
         worst = status > worst ? status : worst;
     }
+    int printed = settings->json ? json_print(&console, &out, list) : EXIT_DONE;
     console_close(&console);
-    if (list)
-        print_json(list);
     cJSON_Delete(list);
-    return worst;
+    return printed > worst ? printed : worst;
 }

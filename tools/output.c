@@ -66,23 +66,35 @@ static bool write_and_rename(FILE *stream, const char *text, const char *tempora
     return false;
 }
 
+/* Beside `path`: opened, with the rights that a new file has. NULL: errno says why. */
+static FILE *open_temporary(char *temporary)
+{
+    int fd = mkstemp(temporary);
+    if (fd < 0)
+        return NULL;
+    mode_t mask = umask(0);
+    umask(mask);
+    fchmod(fd, 0666 & ~mask);
+    FILE *stream = fdopen(fd, "w");
+    if (!stream) {
+        int error = errno;
+        close(fd);
+        unlink(temporary);
+        errno = error;
+    }
+    return stream;
+}
+
 bool output_text(struct console *console, const char *path, const char *text)
 {
     char *temporary = NULL;
-    bool done = false;
     if (asprintf(&temporary, "%s.XXXXXX", path) < 0) {
         console_error(console, "out of memory");
         return false;
     }
     signals_hold();
-    int fd = mkstemp(temporary);
-    FILE *stream = fd < 0 ? NULL : fdopen(fd, "w");
-    if (stream) {
-        mode_t mask = umask(0);
-        umask(mask);
-        fchmod(fd, 0666 & ~mask);
-        done = write_and_rename(stream, text, temporary, path);
-    }
+    FILE *stream = open_temporary(temporary);
+    bool done = stream && write_and_rename(stream, text, temporary, path);
     if (!done)
         console_error(console, "%s: cannot write: %s", path, strerror(errno));
     signals_release();

@@ -13,6 +13,7 @@ struct run {
     const struct stp_limits *limits; /* NULL: the reference, no device */
     struct run_times times;
     cJSON *stats; /* of each frame, an array; NULL without --stats */
+    struct json_out building;
 };
 
 /* One frame's products. */
@@ -154,13 +155,12 @@ static int render_frame(struct run *run, struct frame *frame)
 
 static int add_stats(struct run *run, const struct frame *frame)
 {
-    if (!run->stats)
+    if (!run->settings->stats)
         return EXIT_DONE;
-    cJSON *object = stats_object(run->limits, stp_scene_facts(run->scene), frame->plan,
-                                 &frame->stats, &run->times);
-    if (object && cJSON_AddItemToArray(run->stats, object))
+    stats_add(&run->building, run->stats, run->limits, stp_scene_facts(run->scene), frame->plan,
+              &frame->stats, &run->times);
+    if (!run->building.failed)
         return EXIT_DONE;
-    cJSON_Delete(object);
     console_error(&run->console, "out of memory");
     return EXIT_FAILED;
 }
@@ -214,7 +214,7 @@ static int check_camera_path(struct run *run)
 /* One frame's object as it is; several as an array. */
 static int write_stats(struct run *run)
 {
-    if (!run->stats)
+    if (!run->settings->stats)
         return EXIT_DONE;
     bool many = option_given(run->settings, "frames");
     char *text = cJSON_Print(many ? run->stats : cJSON_GetArrayItem(run->stats, 0));
@@ -251,7 +251,7 @@ int run_render(struct settings *settings)
     if (status != EXIT_DONE)
         return status;
     console_open(&run.console, settings);
-    run.stats = settings->stats ? cJSON_CreateArray() : NULL;
+    run.stats = settings->stats ? json_begin(&run.building, cJSON_CreateArray()) : NULL;
     status = render_all(&run);
     context_close(&run.job);
     stp_scene_destroy(&run.scene);

@@ -173,8 +173,8 @@ enum stp_result file_begin(const struct stp_env *env, const char *path, struct f
     fchmod(fd, 0666 & ~mask);
     begun.stream = fdopen(fd, "wb");
     if (!begun.stream) {
-        close(fd);
         enum stp_result result = io_error(env, path, "write");
+        close(fd);
         file_abandon(&begun);
         return result;
     }

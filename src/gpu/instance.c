@@ -24,22 +24,29 @@ static enum stp_result open_loader(const struct stp_env *env, struct gpu_instanc
     GPU_GLOBAL_FUNCTIONS(LOAD)
 #undef LOAD
     uint32_t version = 0;
-    if (!instance->global.vkEnumerateInstanceVersion || !instance->global.vkCreateInstance ||
-        instance->global.vkEnumerateInstanceVersion(&version) != VK_SUCCESS ||
-        version < VK_API_VERSION_1_3)
+    VkResult result = VK_SUCCESS;
+    if (instance->global.vkEnumerateInstanceVersion && instance->global.vkCreateInstance)
+        result = instance->global.vkEnumerateInstanceVersion(&version);
+    if (result != VK_SUCCESS)
+        return gpu_error(env, result, "vkEnumerateInstanceVersion");
+    if (version < VK_API_VERSION_1_3)
         return log_error(env, STP_ERROR_NO_DEVICE, "the Vulkan loader is older than 1.3");
     return STP_OK;
 }
 
-static bool has_validation(const struct gpu_instance *instance)
+static enum stp_result find_validation(const struct stp_env *env,
+                                       const struct gpu_instance *instance)
 {
     VkLayerProperties layers[64];
     uint32_t count = 64;
-    instance->global.vkEnumerateInstanceLayerProperties(&count, layers);
+    VkResult result = instance->global.vkEnumerateInstanceLayerProperties(&count, layers);
+    if (result != VK_SUCCESS && result != VK_INCOMPLETE)
+        return gpu_error(env, result, "vkEnumerateInstanceLayerProperties");
     for (uint32_t i = 0; i < count; i++)
         if (strcmp(layers[i].layerName, validation_layer) == 0)
-            return true;
-    return false;
+            return STP_OK;
+    return log_error(env, STP_ERROR_FEATURE, "%s is not installed; install vulkan-validationlayers",
+                     validation_layer);
 }
 
 /* user is the context: counts, and passes the first line of the message on. */
@@ -91,6 +98,8 @@ static enum stp_result create(const struct stp_env *env, bool validate, void *us
                                   .enabledExtensionCount = validate ? 2 : 0,
                                   .ppEnabledExtensionNames = extensions };
     VkResult result = instance->global.vkCreateInstance(&info, NULL, &instance->handle);
+    if (result == VK_ERROR_OUT_OF_HOST_MEMORY || result == VK_ERROR_OUT_OF_DEVICE_MEMORY)
+        return gpu_error(env, result, "vkCreateInstance");
     if (result != VK_SUCCESS)
         return log_error(env, STP_ERROR_NO_DEVICE,
                          "no Vulkan driver could be loaded (VkResult %d); install "
@@ -115,10 +124,8 @@ enum stp_result gpu_instance_create(const struct stp_env *env, bool validate, vo
 {
     *instance = (struct gpu_instance){ .validate = validate };
     enum stp_result result = open_loader(env, instance);
-    if (result == STP_OK && validate && !has_validation(instance))
-        result =
-            log_error(env, STP_ERROR_FEATURE,
-                      "%s is not installed; install vulkan-validationlayers", validation_layer);
+    if (result == STP_OK && validate)
+        result = find_validation(env, instance);
     if (result == STP_OK)
         result = create(env, validate, user, instance);
     if (result != STP_OK)

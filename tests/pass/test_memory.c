@@ -1,6 +1,7 @@
 /* A hundred renders in one process leave nothing behind: neither device memory nor the host's. */
 #include "device.h"
 
+#include "fault/ways.h"
 #include "gpu/gpu.h"
 
 #include <unistd.h>
@@ -15,19 +16,11 @@ static size_t resident(void)
     return pages * (size_t)sysconf(_SC_PAGESIZE);
 }
 
-static void render_each(struct device *device, const struct stp_scene *scene, int count)
+static void render_each(struct device *device, const struct stp_scene *scene, unsigned count)
 {
-    static const struct {
-        enum stp_method method;
-        enum stp_path path;
-    } ways[] = { { STP_METHOD_EXACT, STP_PATH_AUTO },
-                 { STP_METHOD_TWO_PASS, STP_PATH_RASTER },
-                 { STP_METHOD_DEFERRED, STP_PATH_RASTER },
-                 { STP_METHOD_REFERENCE, STP_PATH_AUTO } };
-    for (int i = 0; i < count; i++) {
+    for (unsigned i = 0; i < count; i++) {
         struct stp_camera camera = hard_view(0, 256, 256);
-        struct stp_render_params p = { .method = ways[i % 4].method, .path = ways[i % 4].path };
-        struct stp_image *image = device_render(device, scene, &camera, &p);
+        struct stp_image *image = device_render(device, scene, &camera, &ways[i % WAYS].params);
         stp_image_destroy(&image);
         assert_int_equal(device->context->allocated, 0);
     }
@@ -41,7 +34,7 @@ static void test_a_hundred_renders(void **state)
     struct stp_scene *scene = scene_random(61, 6, 0.1);
     assert_int_equal(stp_context_create(NULL, &params, &device.context), STP_OK);
     scene_own_groups(scene);
-    render_each(&device, scene, 12);
+    render_each(&device, scene, 2 * WAYS);
     size_t before = resident();
     render_each(&device, scene, 100);
     size_t after = resident();
