@@ -144,6 +144,18 @@ const struct option_spec option_table[] = {
       "of every surface: 0 mirrors sharply, 1 nearly evenly (default: that of the scene .json, else "
       "0)",
       value_optics, AT(optics.roughness), "a number from 0 to 1", 0, 1, NULL },
+    { NULL, POINTS, "absorption", 0, "A|R,G,B",
+      "of every transparent surface: a layer of thickness T lets exp(-A T) pass, besides what its "
+      "opacity stops (default: that of the scene .json, else 0)",
+      value_optics, AT(optics.absorption), "a number from 0, or three with commas between", 0, 1e30,
+      NULL },
+    { NULL, POINTS, "thickness", 0, "T",
+      "of a layer of every transparent surface (default: that of the scene .json, else 1)",
+      value_optics, AT(optics.thickness), "a number from 0", 0, 1e30, NULL },
+    { NULL, PICTURE, "layers", 0, "multi|single",
+      "an environment is seen through transparent surfaces bent and absorbed by all layers, or by "
+      "the nearest alone (default: multi)",
+      value_choice, AT(render.layers), NULL, 0, 0, NULL },
 
     { "Volume", VOLUMES, "volume-dims", 0, "X,Y,Z",
       "voxels along the axes of a raw file, x fastest (default: what the header, or a .json beside "

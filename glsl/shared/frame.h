@@ -40,6 +40,9 @@
 #define STP_OPTICS_BETWEEN  8u  /* levels are mixed */
 #define STP_OPTICS_DISPERSE 16u /* channels refract apart */
 #define STP_OPTICS_MIRRORS  32u /* some surface has a reflectance */
+#define STP_OPTICS_GLASS    64u /* what is transparent refracts */
+#define STP_OPTICS_MULTI    128u /* by all its layers */
+#define STP_OPTICS_ABSORBS  256u /* some surface has an absorption */
 #define STP_NO_ID        0xffffffffu
 #define STP_ID_WORDS     4     /* of out_id a pixel, with several samples; else 2 */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since

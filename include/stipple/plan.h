@@ -25,6 +25,11 @@ enum stp_transparency {
     STP_TRANSPARENCY_EXACT,    /* every fragment kept, cut into layers; method exact */
     STP_TRANSPARENCY_REFERENCE /* float64 on the CPU; method reference */
 };
+/* How far the eye's ray is bent and absorbed where transparent surfaces meet an environment. */
+enum stp_layers {
+    STP_LAYERS_MULTI = 0, /* by all layers, ZP Eq. 11 and 12 */
+    STP_LAYERS_SINGLE,    /* by the nearest alone */
+};
 enum stp_path { STP_PATH_AUTO = 0, STP_PATH_RASTER, STP_PATH_COMPUTE };
 enum stp_payload { STP_PAYLOAD_AUTO = 0, STP_PAYLOAD_ID, STP_PAYLOAD_PACKED };
 enum stp_voronoi {
@@ -68,6 +73,7 @@ struct stp_render_params {
     enum stp_method method;
     enum stp_transparency transparency;
     unsigned peel_layers; /* peel: the most layers; 0: STP_DEFAULT_PEEL_LAYERS */
+    enum stp_layers layers;
     enum stp_path path;
     enum stp_payload payload; /* deferred, compute: what a key carries */
     enum stp_voronoi voronoi;

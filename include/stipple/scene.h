@@ -163,6 +163,7 @@ struct stp_facts {
     unsigned environment_levels; /* sharp, then one for each roughness; 0: no environment */
     uint64_t environment_texels; /* of all levels, polar rows included */
     bool reflects, disperses;    /* some surface meets the environment; its channels apart */
+    bool absorbs;                /* some surface has an absorption */
     bool mirrors;                /* some surface has a reflectance */
     bool between_levels;         /* more roughnesses than levels: two are mixed */
     enum stp_up up;              /* resolved */

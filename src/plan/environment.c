@@ -26,8 +26,11 @@ void plan_environment(struct stp_plan *plan, const struct stp_scene *scene)
     if (facts->reflects && !facts->eye_dome)
         *optics = STP_OPTICS_SURFACE | (facts->environment_levels > 1 ? STP_OPTICS_ROUGH : 0) |
                   (facts->between_levels ? STP_OPTICS_BETWEEN : 0) |
-                  (facts->disperses ? STP_OPTICS_DISPERSE : 0) |
+                  (facts->disperses && facts->transparent ? STP_OPTICS_DISPERSE : 0) |
                   (facts->mirrors ? STP_OPTICS_MIRRORS : 0);
+    if (*optics && facts->transparent)
+        *optics |= STP_OPTICS_GLASS | (facts->absorbs ? STP_OPTICS_ABSORBS : 0) |
+                   (plan->params.layers == STP_LAYERS_MULTI ? STP_OPTICS_MULTI : 0);
     if (plan->params.environment_behind)
         *optics |= STP_OPTICS_BEHIND;
     if (!*optics)

@@ -105,7 +105,8 @@ void environment_facts(const struct stp_scene *scene, struct stp_facts *facts)
     const struct scene_environment *e = &scene->environment;
     facts->environment_levels = e->level_count;
     facts->environment_texels = e->texel_count;
-    facts->reflects = facts->disperses = facts->mirrors = facts->between_levels = false;
+    facts->reflects = facts->disperses = facts->mirrors = facts->between_levels = facts->absorbs =
+        false;
     for (unsigned i = 0; i < scene->object_count && e->level_count; i++) {
         const struct stp_optics *o = &scene->objects[i].optics;
         float level = environment_level_at(e, o->roughness);
@@ -114,6 +115,7 @@ void environment_facts(const struct stp_scene *scene, struct stp_facts *facts)
         facts->reflects = true;
         facts->disperses |= o->ior[0] != o->ior[1] || o->ior[1] != o->ior[2];
         facts->mirrors |= o->reflectance[0] > 0 || o->reflectance[1] > 0 || o->reflectance[2] > 0;
+        facts->absorbs |= o->absorption[0] > 0 || o->absorption[1] > 0 || o->absorption[2] > 0;
         facts->between_levels |= level != (float)(unsigned)level;
     }
 }

@@ -42,6 +42,8 @@ struct vec3 surface_shade(const struct view *view, const struct surface *surface
         return surface->albedo;
     for (unsigned i = 0; i < scene->light_count; i++)
         sum = v3_add(sum, shade_one(view, surface, &of->material, &scene->lights[i]));
-    bool mirrors = scene->environment.map.width && optics_matter(&of->optics);
+    /* Of what lets light through only the nearest layer mirrors: surface_glass. */
+    bool mirrors =
+        scene->environment.map.width && optics_matter(&of->optics) && surface->opacity == 1;
     return mirrors ? surface_mirror(view, surface, &of->optics, sum) : sum;
 }

@@ -71,6 +71,7 @@ static struct view view_of(const struct stp_scene *scene, const struct stp_camer
                          .width = camera->width,
                          .height = camera->height,
                          .kernel = params->kernel,
+                         .single_layer = params->layers == STP_LAYERS_SINGLE,
                          .cull_back = params->cull == STP_CULL_BACK,
                          .two_sided = scene->facts.two_sided,
                          .local_viewer = params->local_viewer,

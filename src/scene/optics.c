@@ -70,7 +70,7 @@ struct stp_optics optics_merge(const struct stp_optics *under, const struct stp_
 bool optics_matter(const struct stp_optics *optics)
 {
     for (int i = 0; i < 3; i++)
-        if (optics->ior[i] != 1 || optics->reflectance[i] > 0)
+        if (optics->ior[i] != 1 || optics->reflectance[i] > 0 || optics->absorption[i] > 0)
             return true;
     return false;
 }

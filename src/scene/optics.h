@@ -11,7 +11,7 @@ enum stp_result optics_check(const struct stp_env *env, const struct stp_optics 
 struct stp_optics optics_resolve(const struct stp_optics *optics);
 /* What `over` sets (it may be NULL), else what `under` says. */
 struct stp_optics optics_merge(const struct stp_optics *under, const struct stp_optics *over);
-/* Whether a surface of these (resolved) optics reflects or bends anything. */
+/* Whether a surface of these (resolved) optics reflects, bends or absorbs anything. */
 bool optics_matter(const struct stp_optics *optics);
 
 #define OPTICS_KEYS "ior reflectance roughness absorption thickness"
