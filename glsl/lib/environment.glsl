@@ -31,7 +31,7 @@ vec3 environment_at(vec3 d, float level)
     float across = length(e.xz);
     const float turn = 0.15915494309189535;
     vec2 place = vec2(across > 0 ? atan(e.x, e.z) * turn + 0.5 : 0.5, atan(across, e.y) * (2 * turn));
-    uint first = (OPTICS & STP_OPTICS_ROUGH) != 0 ? uint(level) : 0;
+    uint first = (OPTICS & STP_OPTICS_ROUGH) != 0 ? uint(max(level, 0)) : 0;
     vec3 light = environment_level(first, place);
     if ((OPTICS & STP_OPTICS_BETWEEN) != 0 && level > float(first))
         light = mix(light, environment_level(first + 1, place), level - float(first));

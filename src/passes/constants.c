@@ -7,6 +7,7 @@
     _Static_assert(offsetof(struct stp_frame_constants, member) == 8 * (slot), #member)
 SLOT_OFFSET(splats, PLAN_SPLATS);
 SLOT_OFFSET(colors, PLAN_COLORS);
+SLOT_OFFSET(opacities, PLAN_OPACITIES);
 SLOT_OFFSET(materials, PLAN_MATERIALS);
 SLOT_OFFSET(optics, PLAN_OBJECT_OPTICS);
 SLOT_OFFSET(environment, PLAN_ENVIRONMENT);

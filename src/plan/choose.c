@@ -19,7 +19,8 @@ static enum stp_method method_of(enum stp_transparency transparency)
 
 /* AUTO where nothing is transparent. */
 static enum stp_transparency resolve_transparency(const struct stp_facts *facts,
-                                                  const struct stp_render_params *params)
+                                                  const struct stp_render_params *params,
+                                                  const struct stp_limits *limits)
 {
     if (!facts->transparent)
         return STP_TRANSPARENCY_AUTO;
@@ -30,15 +31,21 @@ static enum stp_transparency resolve_transparency(const struct stp_facts *facts,
         return STP_TRANSPARENCY_FAST;
     case STP_METHOD_TWO_PASS:
         return STP_TRANSPARENCY_PEEL;
-    default:
+    case STP_METHOD_REFERENCE:
         return STP_TRANSPARENCY_REFERENCE;
+    case STP_METHOD_EXACT:
+        return STP_TRANSPARENCY_EXACT;
+    default:
+        return limits->features & STP_FEATURE_INT64_ATOMICS ? STP_TRANSPARENCY_EXACT
+                                                            : STP_TRANSPARENCY_REFERENCE;
     }
 }
 
 static enum stp_method resolve_method(const struct stp_facts *facts,
-                                      const struct stp_render_params *params)
+                                      const struct stp_render_params *params,
+                                      const struct stp_limits *limits)
 {
-    enum stp_transparency transparency = resolve_transparency(facts, params);
+    enum stp_transparency transparency = resolve_transparency(facts, params, limits);
     if (transparency != STP_TRANSPARENCY_AUTO)
         return method_of(transparency);
     if (params->method != STP_METHOD_AUTO)
@@ -49,8 +56,8 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
 static enum stp_result choose_transparency(const struct stp_env *env, struct stp_plan *plan)
 {
     const struct stp_render_params *p = &plan->params;
-    plan->transparency = resolve_transparency(&plan->facts, p);
-    plan->method = resolve_method(&plan->facts, p);
+    plan->transparency = resolve_transparency(&plan->facts, p, &plan->limits);
+    plan->method = resolve_method(&plan->facts, p, &plan->limits);
     if (plan->transparency == STP_TRANSPARENCY_AUTO)
         return STP_OK;
     const char *name = stp_transparency_name(plan->transparency);
@@ -59,18 +66,24 @@ static enum stp_result choose_transparency(const struct stp_env *env, struct stp
                          "method %s does not draw transparency %s, method %s does: ask for one of "
                          "the two only",
                          stp_method_name(p->method), name, stp_method_name(plan->method));
-    if (plan->transparency != STP_TRANSPARENCY_REFERENCE)
+    if (plan->transparency != STP_TRANSPARENCY_REFERENCE &&
+        plan->transparency != STP_TRANSPARENCY_EXACT)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the scene is transparent, and this version has no transparency %s on a "
                          "device: ask for reference",
                          name);
+    if (plan->transparency == STP_TRANSPARENCY_EXACT &&
+        !(plan->limits.features & STP_FEATURE_INT64_ATOMICS))
+        return log_error(env, STP_ERROR_FEATURE,
+                         "transparency exact needs shaderBufferInt64Atomics, which the device "
+                         "lacks; leave the choice to auto");
     return STP_OK;
 }
 
 bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
                            const struct stp_limits *limits)
 {
-    return !facts->volume.dims[0] && resolve_method(facts, params) == STP_METHOD_DEFERRED;
+    return !facts->volume.dims[0] && resolve_method(facts, params, limits) == STP_METHOD_DEFERRED;
 }
 
 static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *plan)
@@ -136,8 +149,8 @@ static enum stp_result choose_voronoi(const struct stp_env *env, struct stp_plan
 /* Packed keys need a depth range that 24 bits hold, and, deferred, nothing that asks for ids. */
 static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
 {
-    bool wants_ids =
-        plan->facts.has_color || plan->facts.objects > 1 || (plan->params.aovs & STP_AOV_ID) != 0;
+    bool wants_ids = plan->facts.has_color || plan->constant[PLAN_OPACITY] == 2 ||
+                     plan->facts.objects > 1 || (plan->params.aovs & STP_AOV_ID) != 0;
     bool fits = plan->frame.depth_bits >= LEAST_DEPTH_BITS;
     bool packable =
         fits && plan->voronoi != STP_VORONOI_EXACT &&

@@ -36,14 +36,22 @@ enum plan_constant {
     PLAN_LAYERED,
     PLAN_FLOAT64,
     PLAN_SAMPLE_GRID,
+    PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
+    PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
     PLAN_CONSTANTS
 };
+
+/* Bits of PLAN_AOVS: albedo and weight; id, fragments and what goes with them; layers too. */
+#define PLAN_AOVS_ALBEDO 1u
+#define PLAN_AOVS_ID     2u
+#define PLAN_AOVS_LAYERS 4u
 
 /* What a buffer or image is for: a resource's address goes into the frame block by this. */
 enum plan_slot {
     PLAN_SPLATS,
     PLAN_COLORS,
+    PLAN_OPACITIES,
     PLAN_MATERIALS,
     PLAN_OBJECT_OPTICS,
     PLAN_ENVIRONMENT,
@@ -95,9 +103,18 @@ enum plan_shader {
     PLAN_SHADER_EXACT_SLOTS,
     PLAN_SHADER_EXACT_SLOTS_LARGE,
     PLAN_SHADER_EXACT_RESOLVE,
+    PLAN_SHADER_EXACT_LAYERS,
     PLAN_SHADER_EXACT_ARM,
     PLAN_SHADER_EXACT_CLEAR,
     PLAN_SHADER_EXACT_COLLECT,
+    PLAN_SHADER_MEND_CLEAR,
+    PLAN_SHADER_MEND_FIND,
+    PLAN_SHADER_MEND_FIND_LARGE,
+    PLAN_SHADER_MEND_FIRST,
+    PLAN_SHADER_MEND_TURN,
+    PLAN_SHADER_MEND_SUM,
+    PLAN_SHADER_MEND_SUM_LARGE,
+    PLAN_SHADER_MEND_LAYER,
     PLAN_SHADER_TWOPASS_CLEAR,
     PLAN_SHADER_TWOPASS_DEPTH,
     PLAN_SHADER_TWOPASS_DEPTH_LARGE,
@@ -194,6 +211,9 @@ struct stp_plan {
     struct plan_pass pass[PLAN_MAX_PASSES];
     /* Passes [repeat_first, repeat_end) are run once a sample, in order. */
     uint32_t repeat_first, repeat_end;
+    /* Passes [loop_first, repeat_end) are run again and again, for as long as they leave
+     * STP_WORK_REMAINING set; not at all when it was not. 0: none are. */
+    uint32_t loop_first;
     uint32_t tile_width, tile_height; /* the largest */
     struct plan_tile *tile;
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
@@ -237,6 +257,9 @@ void plan_environment(struct stp_plan *plan, const struct stp_scene *scene);
 
 /* plan/tile.c: cuts the picture until a tile's transients fit; appends steps for the tile size. */
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
+
+/* Words of out_id a pixel: see STP_ID_WORDS; one more, the last, where layers are counted. */
+uint32_t plan_id_words(const struct stp_plan *plan);
 
 /* How many samples a pixel has: the square of PLAN_SAMPLE_GRID. */
 uint32_t plan_samples(const struct stp_plan *plan);

@@ -9,10 +9,11 @@ static const char *const format_names[] = { "buffer", "R32G32_UINT", "R32G32_SFL
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {
-    "groups",       "voronoi",      "packed",  "gauss",       "two_sided",       "cull_back",
-    "floor",        "orthographic", "color",   "objects",     "unknown_normals", "head_light",
-    "local_viewer", "background",   "aovs",    "squarings",   "repair",          "slot_ids",
-    "atomic64",     "layered",      "float64", "sample_grid", "optics",
+    "groups",          "voronoi",     "packed",       "gauss",      "two_sided",
+    "cull_back",       "floor",       "orthographic", "color",      "objects",
+    "unknown_normals", "head_light",  "local_viewer", "background", "aovs",
+    "squarings",       "repair",      "slot_ids",     "atomic64",   "layered",
+    "float64",         "sample_grid", "opacity",      "mixed",      "optics",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)
@@ -46,8 +47,10 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
     for (uint32_t i = 0; i < plan->pass_count; i++) {
         if (repeats && i == plan->repeat_first)
             fprintf(out, " for each of %u samples:\n", plan_samples(plan));
-        if (repeats && i == plan->repeat_end)
+        if ((repeats || plan->loop_first) && i == plan->repeat_end)
             fprintf(out, " then:\n");
+        if (plan->loop_first && i == plan->loop_first)
+            fprintf(out, " while rays have layers left:\n");
         const struct plan_pass *pass = &plan->pass[i];
         fprintf(out, "  %-9s %-20s", kinds[pass->kind], pass->name);
         print_accesses(out, plan, pass, PLAN_READ, " reads ");

@@ -6,6 +6,7 @@
 #include "base/memory.h"
 #include "base/thread.h"
 #include "prepare/environment.h"
+#include "scene/optics.h"
 #include "scene/scene.h"
 
 struct packing {
@@ -27,6 +28,8 @@ static void pack(void *context, size_t begin, size_t end, unsigned worker)
         out[3] = s->radius[i];
         uint32_t tag =
             (s->group ? s->group[i] : 0u) | (s->object ? (uint32_t)s->object[i] << 8 : 0u);
+        if (s->opacity)
+            tag |= s->opacity[i] == 0 ? STP_TAG_INVISIBLE : s->opacity[i] == 1 ? STP_TAG_OPAQUE : 0;
         memcpy(&out[7], &tag, 4);
     }
 }
@@ -82,7 +85,8 @@ static enum stp_result upload_optics(const struct stp_env *env, struct record_fr
         return log_no_memory(env, scene->object_count * sizeof *out, "optics");
     for (unsigned i = 0; i < scene->object_count; i++) {
         const struct stp_optics *o = &scene->objects[i].optics;
-        out[i].level = environment_level_at(&scene->environment, o->roughness);
+        out[i].level =
+            optics_matter(o) ? environment_level_at(&scene->environment, o->roughness) : -1;
         for (int k = 0; k < 3; k++) {
             out[i].ior[k] = o->ior[k];
             out[i].reflectance[k] = o->reflectance[k];
@@ -124,6 +128,10 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
         case PLAN_COLORS:
             result = gpu_upload(env, frame->context, buffer, scene->splats.color,
                                 scene->splats.count * 12);
+            break;
+        case PLAN_OPACITIES:
+            result = gpu_upload(env, frame->context, buffer, scene->splats.opacity,
+                                scene->splats.count * 4);
             break;
         case PLAN_MATERIALS:
             result = upload_materials(env, frame, scene, buffer);
