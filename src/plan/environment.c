@@ -8,10 +8,20 @@
 
 _Static_assert(STP_ENVIRONMENT_LEVELS == ENVIRONMENT_LEVELS, "levels");
 
-static void store(float row[3], const double *camera_rows, struct vec3 axis)
+static void store(double axis[3], struct vec3 v)
 {
-    for (int i = 0; i < 3; i++)
-        row[i] = (float)v3_dot(axis, v3_load(camera_rows + 3 * i));
+    axis[0] = v.x;
+    axis[1] = v.y;
+    axis[2] = v.z;
+}
+
+void plan_turn_environment(struct stp_plan *plan)
+{
+    struct stp_frame_constants *f = &plan->frame;
+    for (int row = 0; plan->constant[PLAN_OPTICS] && row < 3; row++)
+        for (int i = 0; i < 3; i++)
+            f->environment_frame[3 * row + i] =
+                (float)v3_dot(v3_load(plan->environment_axes[row]), v3_load(f->rotation64 + 3 * i));
 }
 
 void plan_environment(struct stp_plan *plan, const struct stp_scene *scene)
@@ -36,9 +46,10 @@ void plan_environment(struct stp_plan *plan, const struct stp_scene *scene)
     if (!*optics)
         return;
     struct environment_frame frame = environment_frame(facts->up, e->params.rotation);
-    store(f->environment_frame, f->rotation64, frame.right);
-    store(f->environment_frame + 3, f->rotation64, frame.up);
-    store(f->environment_frame + 6, f->rotation64, frame.centre);
+    store(plan->environment_axes[0], frame.right);
+    store(plan->environment_axes[1], frame.up);
+    store(plan->environment_axes[2], frame.centre);
+    plan_turn_environment(plan);
     for (unsigned i = 0; i < e->level_count; i++)
         f->environment_levels[i] = (struct stp_level_gpu){ (uint32_t)e->level[i].first,
                                                            e->level[i].width, e->level[i].height };

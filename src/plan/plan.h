@@ -216,6 +216,7 @@ struct stp_plan {
     uint32_t loop_first;
     uint32_t tile_width, tile_height; /* the largest */
     struct plan_tile *tile;
+    double environment_axes[3][3]; /* world: right of the map's centre, up, its centre */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
 };
 
@@ -254,6 +255,8 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
 
 /* plan/environment.c: whether this picture needs the scene's environment, and what of it. */
 void plan_environment(struct stp_plan *plan, const struct stp_scene *scene);
+/* As the camera of plan->frame sees it. */
+void plan_turn_environment(struct stp_plan *plan);
 
 /* plan/tile.c: cuts the picture until a tile's transients fit; appends steps for the tile size. */
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);

@@ -109,10 +109,10 @@ static void test_even(void **state)
         float(*texel)[3];
         struct environment_map map = make_map(40, 20);
         for (int t = 0; t < 40 * 20 * 3; t++)
-            map.texel[0][t] = 7;
+            (&map.texel[0][0])[t] = 7;
         struct environment_level level = fill(&map, (float)i * 0.33f, 1, &texel);
         for (size_t t = 0; t < (size_t)level.width * (level.height + 2) * 3; t++)
-            assert_float_equal(texel[0][t], 7, 1e-4);
+            assert_float_equal((&texel[0][0])[t], 7, 1e-4);
         mem_free(texel);
         free(map.texel);
     }
