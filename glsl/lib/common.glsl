@@ -59,4 +59,7 @@ const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 // Layers, where they are counted, come last.
 const uint ID_WORDS = (SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS) + ((AOVS & 4) == 0 ? 0 : 1);
 
-layout(push_constant) uniform Push { uint push_first; uint push_sample; };
+#ifndef PUSH_MORE
+#define PUSH_MORE
+#endif
+layout(push_constant) uniform Push { uint push_first; uint push_sample; PUSH_MORE };

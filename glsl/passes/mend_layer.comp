@@ -134,7 +134,9 @@ void turn(uint pixel, uvec2 p)
     if (MIXED && now == wall)
         frame.keys.v[mend_at(pixel, MEND_WALL)] = STP_SUMS_NONE;
     ray_store(pixel, ray);
-    if (!advance(pixel))
+    // Of several samples only a finished ray may be added. A host's frame takes no more turns than
+    // were recorded: what it has then is what stays.
+    if (!advance(pixel) || SAMPLE_GRID == 1)
         ray_write(ray, p);
 }
 #endif

@@ -87,14 +87,15 @@ void stp_context_destroy(struct stp_context **context)
     if (!context || !*context)
         return;
     struct stp_context *c = *context;
-    if (c->device) {
+    if (c->device && !c->imported) {
         c->vk.vkDeviceWaitIdle(c->device);
         c->vk.vkDestroyPipelineCache(c->device, c->cache, NULL);
         c->vk.vkDestroyFence(c->device, c->fence, NULL);
         c->vk.vkDestroyCommandPool(c->device, c->pool, NULL);
         c->vk.vkDestroyDevice(c->device, NULL);
     }
-    gpu_instance_destroy(&c->instance);
+    if (!c->imported)
+        gpu_instance_destroy(&c->instance);
     mem_free(c);
     *context = NULL;
 }

@@ -5,21 +5,6 @@
 
 #include "base/log.h"
 
-struct features {
-    VkPhysicalDeviceFeatures2 core;
-    VkPhysicalDeviceVulkan12Features v12;
-    VkPhysicalDeviceVulkan13Features v13;
-};
-
-static void chain(struct features *f)
-{
-    f->core.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_FEATURES_2;
-    f->v12.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_FEATURES;
-    f->v13.sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_FEATURES;
-    f->core.pNext = &f->v12;
-    f->v12.pNext = &f->v13;
-}
-
 static void lack(struct stp_device_info *info, bool present, bool required, const char *name)
 {
     if (present)
@@ -47,29 +32,26 @@ static bool blends_float32(const struct gpu_instance *instance, VkPhysicalDevice
 static void survey_features(const struct gpu_instance *instance, VkPhysicalDevice device,
                             struct stp_device_info *info)
 {
-    struct features f = { 0 };
-    chain(&f);
+    struct stp_vulkan_features f;
+    gpu_features_chain(&f);
     instance->vk.vkGetPhysicalDeviceFeatures2(device, &f.core);
-    lack(info, f.v12.bufferDeviceAddress, true, "bufferDeviceAddress");
-    lack(info, f.v12.scalarBlockLayout, true, "scalarBlockLayout");
-    lack(info, f.v13.dynamicRendering, true, "dynamicRendering");
-    lack(info, f.v13.synchronization2, true, "synchronization2");
-    lack(info, f.v13.maintenance4, true, "maintenance4");
-    lack(info, f.core.features.shaderInt64, true, "shaderInt64");
-    bool atomics = f.v12.shaderBufferInt64Atomics, layer = f.v12.shaderOutputLayer;
+    if (gpu_features_lacking(&f, true, info->lacks, sizeof info->lacks))
+        info->usable = false;
+    gpu_features_lacking(&f, false, info->lacks, sizeof info->lacks);
     bool blend = blends_float32(instance, device);
-    bool formats = f.core.features.shaderStorageImageExtendedFormats;
-    lack(info, atomics, false, "shaderBufferInt64Atomics");
-    lack(info, layer, false, "shaderOutputLayer");
     lack(info, blend, false, "blending into float32");
-    lack(info, f.core.features.shaderFloat64, false, "shaderFloat64");
-    lack(info, formats, false, "shaderStorageImageExtendedFormats");
-    info->limits.features = (atomics ? STP_FEATURE_INT64_ATOMICS : 0) |
-                            (layer ? STP_FEATURE_VERTEX_LAYER : 0) |
-                            (blend ? STP_FEATURE_FLOAT32_BLEND : 0) |
-                            (f.core.features.shaderInt64 ? STP_FEATURE_INT64 : 0) |
-                            (f.core.features.shaderFloat64 ? STP_FEATURE_FLOAT64 : 0) |
-                            (formats ? STP_FEATURE_STORAGE_FORMATS : 0);
+    info->limits.features = gpu_features_flags(&f) | (blend ? STP_FEATURE_FLOAT32_BLEND : 0);
+}
+
+static bool shares_memory(const VkPhysicalDeviceMemoryProperties *memory)
+{
+    const VkMemoryPropertyFlags shared = VK_MEMORY_PROPERTY_HOST_VISIBLE_BIT |
+                                         VK_MEMORY_PROPERTY_HOST_CACHED_BIT |
+                                         VK_MEMORY_PROPERTY_DEVICE_LOCAL_BIT;
+    for (uint32_t i = 0; i < memory->memoryTypeCount; i++)
+        if ((memory->memoryTypes[i].propertyFlags & shared) == shared)
+            return true;
+    return false;
 }
 
 static void survey_memory(const struct gpu_instance *instance, VkPhysicalDevice device,
@@ -81,6 +63,8 @@ static void survey_memory(const struct gpu_instance *instance, VkPhysicalDevice 
         if ((memory.memoryHeaps[i].flags & VK_MEMORY_HEAP_DEVICE_LOCAL_BIT) &&
             memory.memoryHeaps[i].size > limits->heap_bytes)
             limits->heap_bytes = memory.memoryHeaps[i].size;
+    if (shares_memory(&memory))
+        limits->features |= STP_FEATURE_SHARED_MEMORY;
 }
 
 bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice device,
@@ -136,19 +120,36 @@ static enum stp_result find_queue(const struct stp_env *env, struct stp_context 
                      context->limits.device);
 }
 
+const char *gpu_device_functions(struct stp_context *context)
+{
+    const char *missing = NULL;
+#define LOAD(name)                                                                                 \
+    context->vk.name =                                                                             \
+        (PFN_##name)context->instance.vk.vkGetDeviceProcAddr(context->device, #name);              \
+    missing = context->vk.name ? missing : #name;
+    GPU_DEVICE_FUNCTIONS(LOAD)
+#undef LOAD
+    return missing;
+}
+
+void gpu_device_memory(struct stp_context *context)
+{
+    VkPhysicalDeviceProperties2 p = { .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2 };
+    context->instance.vk.vkGetPhysicalDeviceMemoryProperties(context->physical, &context->memory);
+    context->instance.vk.vkGetPhysicalDeviceProperties2(context->physical, &p);
+    context->granularity = p.properties.limits.bufferImageGranularity;
+}
+
 static VkResult create_device(struct stp_context *context)
 {
     unsigned optional = context->limits.features;
-    struct features f = { 0 };
-    chain(&f);
-    f.core.features.shaderInt64 = VK_TRUE;
+    struct stp_vulkan_features f;
+    stp_vulkan_features(NULL, &f);
+    f.core.features.shaderFloat64 = (optional & STP_FEATURE_FLOAT64) != 0;
     f.core.features.shaderStorageImageExtendedFormats =
         (optional & STP_FEATURE_STORAGE_FORMATS) != 0;
-    f.core.features.shaderFloat64 = (optional & STP_FEATURE_FLOAT64) != 0;
-    f.v12.bufferDeviceAddress = f.v12.scalarBlockLayout = VK_TRUE;
     f.v12.shaderBufferInt64Atomics = (optional & STP_FEATURE_INT64_ATOMICS) != 0;
     f.v12.shaderOutputLayer = (optional & STP_FEATURE_VERTEX_LAYER) != 0;
-    f.v13.dynamicRendering = f.v13.synchronization2 = f.v13.maintenance4 = VK_TRUE;
     float priority = 1;
     VkDeviceQueueCreateInfo queue = { .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                       .queueFamilyIndex = context->family,
@@ -160,13 +161,9 @@ static VkResult create_device(struct stp_context *context)
                                 .pQueueCreateInfos = &queue };
     VkResult result =
         context->instance.vk.vkCreateDevice(context->physical, &info, NULL, &context->device);
-    if (result != VK_SUCCESS)
-        return result;
-#define LOAD(name)                                                                                 \
-    context->vk.name = (PFN_##name)context->instance.vk.vkGetDeviceProcAddr(context->device, #name);
-    GPU_DEVICE_FUNCTIONS(LOAD)
-#undef LOAD
-    return VK_SUCCESS;
+    if (result == VK_SUCCESS)
+        gpu_device_functions(context); /* of Vulkan 1.3, which the device was chosen for */
+    return result;
 }
 
 enum stp_result gpu_device_create(const struct stp_env *env, struct stp_context *context)
@@ -178,7 +175,7 @@ enum stp_result gpu_device_create(const struct stp_env *env, struct stp_context 
     if (result != VK_SUCCESS)
         return gpu_error(env, result, "vkCreateDevice");
     context->vk.vkGetDeviceQueue(context->device, context->family, 0, &context->queue);
-    context->instance.vk.vkGetPhysicalDeviceMemoryProperties(context->physical, &context->memory);
+    gpu_device_memory(context);
     VkCommandPoolCreateInfo pool = { .sType = VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO,
                                      .queueFamilyIndex = context->family };
     result = context->vk.vkCreateCommandPool(context->device, &pool, NULL, &context->pool);

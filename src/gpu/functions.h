@@ -45,6 +45,8 @@
     X(vkCreateImage)                                                                               \
     X(vkDestroyImage)                                                                              \
     X(vkGetImageMemoryRequirements)                                                                \
+    X(vkGetDeviceBufferMemoryRequirements)                                                         \
+    X(vkGetDeviceImageMemoryRequirements)                                                          \
     X(vkCreateImageView)                                                                           \
     X(vkDestroyImageView)                                                                          \
     X(vkAllocateMemory)                                                                            \

@@ -2,9 +2,8 @@
 #ifndef STP_GPU_GPU_H
 #define STP_GPU_GPU_H
 
-#include <stipple/render.h>
-
 #include "gpu/functions.h"
+#include <stipple/vulkan.h>
 
 /* An instance of our own, with its loader. */
 struct gpu_instance {
@@ -16,8 +15,42 @@ struct gpu_instance {
     bool validate;
 };
 
+/* Device memory: ours, the host's allocator's, or a part of a block. */
+struct gpu_memory_part {
+    struct stp_device_memory where;
+    VkDeviceSize bytes;
+    bool ours, coherent;
+};
+
+/* Memory that is handed out from its beginning. part.ours: allocated by gpu_block_create. */
+struct gpu_block {
+    struct gpu_memory_part part;
+    VkDeviceSize used;
+};
+
+struct gpu_buffer {
+    VkBuffer handle;
+    struct gpu_memory_part memory;
+    VkDeviceAddress address;
+    void *mapped; /* NULL: not host-visible */
+    bool coherent;
+};
+
+/* A copy that an imported context has yet to record. */
+struct gpu_pending {
+    struct gpu_buffer staging;
+    VkBuffer target;
+    VkDeviceSize bytes;
+};
+#define GPU_MOST_PENDING 16
+
 struct stp_context {
-    struct gpu_instance instance;
+    struct gpu_instance instance; /* imported: the host's handle, no library */
+    bool imported;                /* no queue, no commands, no fence of our own */
+    struct stp_device_allocator allocator;
+    VkDeviceSize granularity; /* bufferImageGranularity */
+    uint32_t pending_count;
+    struct gpu_pending pending[GPU_MOST_PENDING];
     VkPhysicalDevice physical;
     VkDevice device;
     struct gpu_device_functions vk;
@@ -47,6 +80,21 @@ enum stp_result gpu_instance_devices(const struct stp_env *env, const struct gpu
 bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice device,
                        struct stp_device_info *info);
 enum stp_result gpu_device_create(const struct stp_env *env, struct stp_context *context);
+/* The name of a function that the loader lacks, or NULL. */
+const char *gpu_device_functions(struct stp_context *context);
+void gpu_device_memory(struct stp_context *context); /* heaps, types and granularity */
+
+/* gpu/features.c: what is asked of a device. */
+void gpu_features_chain(struct stp_vulkan_features *features);
+/* Appends the names of what is not on; returns how many. */
+unsigned gpu_features_lacking(struct stp_vulkan_features *features, bool required, char *lacks,
+                              size_t size);
+/* What is on, as enum stp_feature. */
+unsigned gpu_features_flags(struct stp_vulkan_features *features);
+/* The same of a host's chain; an error, that names them, when a required one is off. */
+enum stp_result gpu_features_enabled(const struct stp_env *env,
+                                     const VkPhysicalDeviceFeatures2 *chain, const char *device,
+                                     unsigned *flags);
 
 /* Logs the call and the VkResult; the stp_result that it maps to. */
 enum stp_result gpu_error(const struct stp_env *env, VkResult result, const char *call);
@@ -57,39 +105,49 @@ enum gpu_memory {
     GPU_READ_BACK, /* mapped and cached */
 };
 
-struct gpu_buffer {
-    VkBuffer handle;
-    VkDeviceMemory memory;
-    VkDeviceAddress address;
-    VkDeviceSize bytes;
-    void *mapped; /* NULL: not host-visible */
-    bool coherent;
-};
 /* zero bytes gives a buffer of 16. */
 enum stp_result gpu_buffer_create(const struct stp_env *env, struct stp_context *context,
                                   VkDeviceSize bytes, enum gpu_memory kind, const char *what,
                                   struct gpu_buffer *buffer);
+/* One allocation for many resources; resources that were placed in it go first. */
+enum stp_result gpu_block_create(const struct stp_env *env, struct stp_context *context,
+                                 const VkMemoryRequirements *needs, enum gpu_memory kind,
+                                 const char *what, struct gpu_block *block);
+void gpu_block_destroy(struct stp_context *context, struct gpu_block *block);
+/* Adds a resource to what a block must hold; the sum starts with all memoryTypeBits. */
+void gpu_needs_add(const struct stp_context *context, const VkMemoryRequirements *needs,
+                   VkMemoryRequirements *sum);
+/* Of device memory, from the block. */
+enum stp_result gpu_buffer_place(const struct stp_env *env, struct stp_context *context,
+                                 VkDeviceSize bytes, struct gpu_block *block, const char *what,
+                                 struct gpu_buffer *buffer);
+/* What gpu_buffer_place would ask of a block. */
+VkMemoryRequirements gpu_buffer_needs(const struct stp_context *context, VkDeviceSize bytes);
 void gpu_buffer_destroy(struct stp_context *context, struct gpu_buffer *buffer);
 
 struct gpu_image {
     VkImage handle;
-    VkDeviceMemory memory;
-    VkDeviceSize bytes;
+    struct gpu_memory_part memory;
     VkImageView all;     /* 2D array of every layer */
     VkImageView *layers; /* one view a layer; NULL when there is one layer */
     uint32_t layer_count;
     VkImageAspectFlags aspect;
 };
+/* block NULL: memory of its own. */
 enum stp_result gpu_image_create(const struct stp_env *env, struct stp_context *context,
                                  VkFormat format, uint32_t width, uint32_t height, uint32_t layers,
-                                 const char *what, struct gpu_image *image);
+                                 struct gpu_block *block, const char *what,
+                                 struct gpu_image *image);
+VkMemoryRequirements gpu_image_needs(const struct stp_context *context, VkFormat format,
+                                     uint32_t width, uint32_t height, uint32_t layers);
 void gpu_image_destroy(struct stp_context *context, struct gpu_image *image);
 
 /* One-off command buffers: begin, record, submit and wait. */
 enum stp_result gpu_begin(const struct stp_env *env, struct stp_context *context);
 enum stp_result gpu_submit_and_wait(const struct stp_env *env, struct stp_context *context);
 
-/* Copies into a device buffer, through staging where it is not mapped. */
+/* Copies into a device buffer, through staging where it is not mapped; an imported context, which
+ * may not submit, notes the copy among its pending ones. */
 enum stp_result gpu_upload(const struct stp_env *env, struct stp_context *context,
                            struct gpu_buffer *buffer, const void *data, size_t bytes);
 

@@ -157,7 +157,7 @@ static struct las_extras find_in_chain(const struct las_file *file, uint64_t at,
     const unsigned char *data = file->bytes->data;
     uint64_t size = file->bytes->size;
     for (uint32_t i = 0; i < count; i++) {
-        const unsigned char *p = data + at;
+        const unsigned char *p = data + (at <= size ? at : size);
         uint64_t left = at <= size ? size - at : 0, length = 0;
         if (left >= header)
             length = header == VLR ? little16(p + 20) : little64(p + 20);

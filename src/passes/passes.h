@@ -11,11 +11,17 @@ struct pass_resources {
     struct gpu_buffer buffer[PLAN_MAX_RESOURCES];
     struct gpu_image image[PLAN_MAX_RESOURCES];
     struct gpu_buffer constants; /* the frame block */
-    VkDescriptorSetLayout set_layout;
-    VkPipelineLayout layout;
+    VkPipelineLayout layout;     /* not owned */
     VkDescriptorPool pool;
     VkDescriptorSet set;
 };
+
+/* Push constants: the first splat of a draw, the sample's index; then, of a host's frame, struct
+ * pass_host_push. */
+#define PASS_PUSH_SAMPLE 4
+#define PASS_PUSH_HOST   8
+#define PASS_PUSH_STAGES                                                                           \
+    (VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT)
 
 struct pass_words {
     const uint32_t *words;
@@ -68,5 +74,42 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                         VkPipeline pipeline);
 
 VkFormat pass_format(enum plan_format format);
+
+/* raster.c: what graphics pipelines differ in. pass NULL: as the plan says. */
+#define PASS_MOST_COLORS 4
+enum pass_blend { PASS_BLEND_NONE, PASS_BLEND_ADD, PASS_BLEND_OVER /* premultiplied */ };
+struct pass_graphics {
+    enum plan_shader vertex, fragment;
+    uint32_t color_count;
+    VkFormat color[PASS_MOST_COLORS], depth; /* UNDEFINED: no depth */
+    enum pass_blend blend;
+    bool depth_write;
+    VkCompareOp compare;
+};
+enum stp_result pass_graphics_pipeline(const struct stp_env *env, struct stp_context *context,
+                                       const struct stp_plan *plan, const struct plan_pass *pass,
+                                       const struct pass_graphics *graphics,
+                                       VkPipelineLayout layout, VkPipeline *pipeline);
+
+/* host.c: the finished picture into a host's images. */
+struct pass_host {
+    VkFormat color_format, depth_format;
+    bool depth_reversed, depth_read_only, replace;
+};
+/* glsl/passes/host.frag */
+struct pass_host_push {
+    int32_t corner[2];
+    float depth_add, depth_scale, depth_none, most;
+    uint32_t replace;
+};
+float pass_host_most(VkFormat color);                 /* largest finite value; 0: not supported */
+VkImageAspectFlags pass_host_aspects(VkFormat depth); /* 0: not supported */
+enum stp_result pass_host_pipeline(const struct stp_env *env, struct stp_context *context,
+                                   const struct stp_plan *plan, const struct pass_host *host,
+                                   VkPipelineLayout layout, VkPipeline *pipeline);
+void pass_record_host(struct stp_context *context, VkCommandBuffer commands,
+                      const struct stp_plan *plan, const struct plan_tile *tile,
+                      const struct pass_host *host, const struct stp_targets *targets,
+                      VkPipelineLayout layout, VkPipeline pipeline);
 
 #endif

@@ -1,7 +1,5 @@
 #include "passes/passes.h"
 
-#define MOST_COLORS 4
-
 VkFormat pass_format(enum plan_format format)
 {
     switch (format) {
@@ -22,7 +20,7 @@ VkFormat pass_format(enum plan_format format)
 /* The plan's resource indices of a pass's attachments; depth is PLAN_NONE where there is none. */
 struct targets {
     uint32_t color_count;
-    uint8_t color[MOST_COLORS];
+    uint8_t color[PASS_MOST_COLORS];
     uint8_t depth;
 };
 
@@ -70,35 +68,42 @@ static const VkPipelineDynamicStateCreateInfo set_late = {
     .pDynamicStates = moving
 };
 
-static VkResult create_pipeline(struct stp_context *context, const struct plan_pass *pass,
-                                const VkPipelineRenderingCreateInfo *rendering,
+static VkResult create_pipeline(struct stp_context *context, const struct pass_graphics *graphics,
                                 const VkPipelineShaderStageCreateInfo *stages,
                                 VkPipelineLayout layout, VkPipeline *pipeline)
 {
-    bool blend = pass->raster == PLAN_RASTER_BLEND;
+    bool has_depth = graphics->depth != VK_FORMAT_UNDEFINED;
+    VkPipelineRenderingCreateInfo rendering = {
+        .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
+        .colorAttachmentCount = graphics->color_count,
+        .pColorAttachmentFormats = graphics->color,
+        .depthAttachmentFormat = graphics->depth
+    };
     VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = !blend,
-        .depthWriteEnable = !blend,
-        .depthCompareOp = VK_COMPARE_OP_GREATER
+        .depthTestEnable = has_depth,
+        .depthWriteEnable = graphics->depth_write,
+        .depthCompareOp = graphics->compare
     };
-    VkPipelineColorBlendAttachmentState attachments[MOST_COLORS];
-    for (int i = 0; i < MOST_COLORS; i++)
+    VkBlendFactor under = graphics->blend == PASS_BLEND_OVER ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA
+                                                             : VK_BLEND_FACTOR_ONE;
+    VkPipelineColorBlendAttachmentState attachments[PASS_MOST_COLORS];
+    for (int i = 0; i < PASS_MOST_COLORS; i++)
         attachments[i] = (VkPipelineColorBlendAttachmentState){
-            .blendEnable = blend,
+            .blendEnable = graphics->blend != PASS_BLEND_NONE,
             .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
-            .dstColorBlendFactor = VK_BLEND_FACTOR_ONE,
+            .dstColorBlendFactor = under,
             .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-            .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+            .dstAlphaBlendFactor = under,
             .colorWriteMask = 0xf,
         };
     VkPipelineColorBlendStateCreateInfo colors = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_COLOR_BLEND_STATE_CREATE_INFO,
-        .attachmentCount = rendering->colorAttachmentCount,
+        .attachmentCount = graphics->color_count,
         .pAttachments = attachments
     };
     VkGraphicsPipelineCreateInfo info = { .sType = VK_STRUCTURE_TYPE_GRAPHICS_PIPELINE_CREATE_INFO,
-                                          .pNext = rendering,
+                                          .pNext = &rendering,
                                           .stageCount = 2,
                                           .pStages = stages,
                                           .pVertexInputState = &no_vertices,
@@ -114,27 +119,17 @@ static VkResult create_pipeline(struct stp_context *context, const struct plan_p
                                                  pipeline);
 }
 
-enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_context *context,
-                                     const struct stp_plan *plan, const struct plan_pass *pass,
-                                     const struct pass_resources *resources, VkPipeline *pipeline)
+enum stp_result pass_graphics_pipeline(const struct stp_env *env, struct stp_context *context,
+                                       const struct stp_plan *plan, const struct plan_pass *pass,
+                                       const struct pass_graphics *graphics,
+                                       VkPipelineLayout layout, VkPipeline *pipeline)
 {
     struct pass_specialization specialization;
-    struct targets targets = find_targets(plan, pass);
-    VkFormat formats[MOST_COLORS];
     VkShaderModule modules[2] = { 0 };
-    for (uint32_t i = 0; i < targets.color_count; i++)
-        formats[i] = pass_format(plan->resource[targets.color[i]].format);
-    VkPipelineRenderingCreateInfo rendering = {
-        .sType = VK_STRUCTURE_TYPE_PIPELINE_RENDERING_CREATE_INFO,
-        .colorAttachmentCount = targets.color_count,
-        .pColorAttachmentFormats = formats,
-        .depthAttachmentFormat =
-            targets.depth == PLAN_NONE ? VK_FORMAT_UNDEFINED : VK_FORMAT_D32_SFLOAT
-    };
     pass_specialize(plan, pass, &specialization);
-    VkResult result = pass_module(context, plan, pass->vertex, &modules[0]);
+    VkResult result = pass_module(context, plan, graphics->vertex, &modules[0]);
     if (result == VK_SUCCESS)
-        result = pass_module(context, plan, pass->shader, &modules[1]);
+        result = pass_module(context, plan, graphics->fragment, &modules[1]);
     VkPipelineShaderStageCreateInfo stages[2];
     for (int i = 0; i < 2; i++)
         stages[i] = (VkPipelineShaderStageCreateInfo){
@@ -145,11 +140,31 @@ enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_conte
             .pSpecializationInfo = &specialization.info
         };
     if (result == VK_SUCCESS)
-        result = create_pipeline(context, pass, &rendering, stages, resources->layout, pipeline);
+        result = create_pipeline(context, graphics, stages, layout, pipeline);
     for (int i = 0; i < 2; i++)
         if (modules[i])
             context->vk.vkDestroyShaderModule(context->device, modules[i], NULL);
     return result == VK_SUCCESS ? STP_OK : gpu_error(env, result, "vkCreateGraphicsPipelines");
+}
+
+enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_context *context,
+                                     const struct stp_plan *plan, const struct plan_pass *pass,
+                                     const struct pass_resources *resources, VkPipeline *pipeline)
+{
+    struct targets targets = find_targets(plan, pass);
+    bool blend = pass->raster == PLAN_RASTER_BLEND;
+    struct pass_graphics graphics = {
+        .vertex = pass->vertex,
+        .fragment = pass->shader,
+        .color_count = targets.color_count,
+        .depth = targets.depth == PLAN_NONE ? VK_FORMAT_UNDEFINED : VK_FORMAT_D32_SFLOAT,
+        .blend = blend ? PASS_BLEND_ADD : PASS_BLEND_NONE,
+        .depth_write = !blend,
+        .compare = VK_COMPARE_OP_GREATER,
+    };
+    for (uint32_t i = 0; i < targets.color_count; i++)
+        graphics.color[i] = pass_format(plan->resource[targets.color[i]].format);
+    return pass_graphics_pipeline(env, context, plan, pass, &graphics, resources->layout, pipeline);
 }
 
 static VkImageView view_of(const struct gpu_image *image, const struct plan_pass *pass)
@@ -181,7 +196,7 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                         VkPipeline pipeline)
 {
     struct targets targets = find_targets(plan, pass);
-    VkRenderingAttachmentInfo colors[MOST_COLORS], depth;
+    VkRenderingAttachmentInfo colors[PASS_MOST_COLORS], depth;
     for (uint32_t i = 0; i < targets.color_count; i++)
         colors[i] = attachment(plan, pass, resources, targets.color[i]);
     if (targets.depth != PLAN_NONE)
@@ -198,10 +213,8 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                             .maxDepth = 1 };
     context->vk.vkCmdBeginRendering(commands, &rendering);
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
-    context->vk.vkCmdPushConstants(commands, resources->layout,
-                                   VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
-                                       VK_SHADER_STAGE_FRAGMENT_BIT,
-                                   0, sizeof pass->first_splat, &pass->first_splat);
+    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, 0,
+                                   sizeof pass->first_splat, &pass->first_splat);
     context->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
     context->vk.vkCmdSetScissor(commands, 0, 1, &area);
     if (pass->splat_count)

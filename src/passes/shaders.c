@@ -28,7 +28,7 @@ void pass_specialize(const struct stp_plan *plan, const struct plan_pass *pass,
                      struct pass_specialization *s)
 {
     for (uint32_t i = 0; i < PLAN_CONSTANTS; i++) {
-        s->values[i] = i == PLAN_REPAIR ? pass->repair : plan->constant[i];
+        s->values[i] = i == PLAN_REPAIR && pass ? pass->repair : plan->constant[i];
         s->entries[i] = (VkSpecializationMapEntry){ i, i * 4, 4 };
     }
     s->info = (VkSpecializationInfo){ PLAN_CONSTANTS, s->entries, sizeof s->values, s->values };

@@ -15,6 +15,8 @@ const char *stp_feature_name(enum stp_feature feature)
         return "float64";
     case STP_FEATURE_STORAGE_FORMATS:
         return "storage-formats";
+    case STP_FEATURE_SHARED_MEMORY:
+        return "shared-memory";
     }
     return NULL;
 }

@@ -100,6 +100,12 @@ static void light(const struct stp_plan *plan, const struct stp_light *in,
     memcpy(out->color, in->color, sizeof out->color);
 }
 
+static void place_lights(struct stp_plan *plan)
+{
+    for (unsigned i = 0; i < plan->light_count; i++)
+        light(plan, &plan->lights[i], &plan->frame.lights[i]);
+}
+
 static bool is_head_light(const struct stp_light *light)
 {
     return light->at_eye && light->color[0] == 1 && light->color[1] == 1 && light->color[2] == 1;
@@ -176,9 +182,9 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
     frexp(fmax(plan->facts.color_max, 1), &exponent);
     f->sum_scale = ldexpf(1, bits);
     f->color_scale = ldexpf(1, bits - exponent);
-    f->light_count = scene->light_count;
-    for (unsigned i = 0; i < scene->light_count; i++)
-        light(plan, &scene->lights[i], &f->lights[i]);
+    plan->light_count = f->light_count = scene->light_count;
+    memcpy(plan->lights, scene->lights, sizeof plan->lights);
+    place_lights(plan);
     if (p->background) {
         float alpha = p->background[3];
         for (int i = 0; i < 3; i++)
@@ -188,4 +194,23 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
     quantisation(plan);
     constants(plan, scene);
     plan_environment(plan, scene);
+}
+
+void plan_move(struct stp_plan *plan, const struct stp_camera *camera)
+{
+    plan->camera = *camera;
+    transform(plan);
+    place_lights(plan);
+    quantisation(plan);
+    plan_turn_environment(plan);
+    plan_place_tiles(plan);
+}
+
+uint32_t plan_least_depth_bits(const struct stp_plan *plan)
+{
+    struct vec3 size = v3_sub(v3_load(plan->facts.bounds + 3), v3_load(plan->facts.bounds));
+    double epsilon = plan->frame.epsilon;
+    double range = v3_length(size) + 2 * plan->facts.radius_max + 0.25 * epsilon;
+    double bits = floor(24 - log2(range / epsilon + 2));
+    return bits > 16 ? 16 : bits < 1 ? 1 : (uint32_t)bits;
 }

@@ -1,5 +1,7 @@
 #include "plan/plan.h"
 
+#include <string.h>
+
 #include "base/log.h"
 #include "base/memory.h"
 #include "scene/scene.h"
@@ -85,6 +87,25 @@ enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scen
     else
         *plan = made;
     return result;
+}
+
+enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan,
+                          struct stp_plan **copy)
+{
+    struct stp_plan *made = mem_alloc(1, sizeof *made);
+    struct plan_tile *tiles = mem_alloc(plan->tile_count, sizeof *tiles);
+    if (!made || !tiles) {
+        mem_free(made);
+        mem_free(tiles);
+        return log_no_memory(env, sizeof *made, "a copy of the plan");
+    }
+    *made = *plan;
+    memcpy(tiles, plan->tile, plan->tile_count * sizeof *tiles);
+    made->tile = tiles;
+    if (plan->params.background)
+        made->params.background = made->background;
+    *copy = made;
+    return STP_OK;
 }
 
 void stp_plan_destroy(struct stp_plan **plan)

@@ -143,6 +143,9 @@ enum plan_shader {
     PLAN_SHADER_DEFERRED_FRAGMENT_PACKED,
     PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT,
     PLAN_SHADER_TWOPASS_SUM_FRAGMENT,
+    PLAN_SHADER_HOST_VERTEX,
+    PLAN_SHADER_HOST_FRAGMENT,
+    PLAN_SHADER_HOST_FRAGMENT_DEPTH,
     PLAN_SHADERS
 };
 
@@ -205,6 +208,8 @@ struct stp_plan {
     float background[4]; /* params.background points here, or is NULL */
     char why[512];
     uint32_t constant[PLAN_CONSTANTS];
+    struct stp_light lights[STP_MAX_LIGHTS]; /* of the scene */
+    uint32_t light_count;
     struct stp_frame_constants frame; /* of the whole picture; addresses and tile are zero */
     uint32_t resource_count, pass_count, tile_count;
     struct plan_resource resource[PLAN_MAX_RESOURCES];
@@ -253,6 +258,12 @@ void plan_twopass(struct stp_plan *plan);
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
 
+/* The same for another camera, with nothing allocated: its size is at most that which the plan was
+ * made for, its projection of the same kind. */
+void plan_move(struct stp_plan *plan, const struct stp_camera *camera);
+/* frame.depth_bits when the whole scene is in view, which is the worst that a camera can do. */
+uint32_t plan_least_depth_bits(const struct stp_plan *plan);
+
 /* plan/environment.c: whether this picture needs the scene's environment, and what of it. */
 void plan_environment(struct stp_plan *plan, const struct stp_scene *scene);
 /* As the camera of plan->frame sees it. */
@@ -260,6 +271,12 @@ void plan_turn_environment(struct stp_plan *plan);
 
 /* plan/tile.c: cuts the picture until a tile's transients fit; appends steps for the tile size. */
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
+/* Tiles of that size over the camera's picture. */
+void plan_place_tiles(struct stp_plan *plan);
+
+/* plan/plan.c */
+enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan,
+                          struct stp_plan **copy);
 
 /* Words of out_id a pixel: see STP_ID_WORDS; one more, the last, where layers are counted. */
 uint32_t plan_id_words(const struct stp_plan *plan);

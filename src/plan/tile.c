@@ -152,32 +152,48 @@ static uint32_t cut(uint32_t length, uint32_t parts, uint32_t border)
     return part < length ? part : length;
 }
 
-static enum stp_result lay_out(const struct stp_env *env, struct stp_plan *plan, uint32_t columns,
-                               uint32_t rows)
+/* How far one tile is from the next: tiles overlap by what their passes look around. */
+static uint32_t step_of(uint32_t length, uint32_t tile, uint32_t border)
+{
+    return tile >= length ? length : tile - 2 * border;
+}
+
+static void place(const struct stp_plan *plan, uint32_t left, uint32_t top, uint32_t right,
+                  uint32_t bottom, struct plan_tile *t)
 {
     uint32_t b = margin(plan), w = plan->camera.width, h = plan->camera.height;
-    uint32_t step_x = columns == 1 ? w : plan->tile_width - 2 * b;
-    uint32_t step_y = rows == 1 ? h : plan->tile_height - 2 * b;
-    columns = (w + step_x - 1) / step_x;
-    rows = (h + step_y - 1) / step_y;
-    plan->tile = mem_zalloc((size_t)columns * rows, sizeof *plan->tile);
-    if (!plan->tile)
-        return log_no_memory(env, (size_t)columns * rows * sizeof *plan->tile, "tiles");
+    t->x = left > b ? left - b : 0;
+    t->y = top > b ? top - b : 0;
+    t->width = (right + b < w ? right + b : w) - t->x;
+    t->height = (bottom + b < h ? bottom + b : h) - t->y;
+    t->keep[0] = left;
+    t->keep[1] = top;
+    t->keep[2] = right;
+    t->keep[3] = bottom;
+}
+
+void plan_place_tiles(struct stp_plan *plan)
+{
+    uint32_t b = margin(plan), w = plan->camera.width, h = plan->camera.height;
+    uint32_t step_x = step_of(w, plan->tile_width, b), step_y = step_of(h, plan->tile_height, b);
+    uint32_t columns = (w + step_x - 1) / step_x, rows = (h + step_y - 1) / step_y;
     plan->tile_count = columns * rows;
     for (uint32_t i = 0; i < plan->tile_count; i++) {
-        struct plan_tile *t = &plan->tile[i];
         uint32_t left = i % columns * step_x, top = i / columns * step_y;
-        uint32_t right = left + step_x < w ? left + step_x : w;
-        uint32_t bottom = top + step_y < h ? top + step_y : h;
-        t->x = left > b ? left - b : 0;
-        t->y = top > b ? top - b : 0;
-        t->width = (right + b < w ? right + b : w) - t->x;
-        t->height = (bottom + b < h ? bottom + b : h) - t->y;
-        t->keep[0] = left;
-        t->keep[1] = top;
-        t->keep[2] = right;
-        t->keep[3] = bottom;
+        place(plan, left, top, left + step_x < w ? left + step_x : w,
+              top + step_y < h ? top + step_y : h, &plan->tile[i]);
     }
+}
+
+static enum stp_result lay_out(const struct stp_env *env, struct stp_plan *plan)
+{
+    uint32_t b = margin(plan), w = plan->camera.width, h = plan->camera.height;
+    uint32_t step_x = step_of(w, plan->tile_width, b), step_y = step_of(h, plan->tile_height, b);
+    size_t count = (size_t)((w + step_x - 1) / step_x) * ((h + step_y - 1) / step_y);
+    plan->tile = mem_zalloc(count, sizeof *plan->tile);
+    if (!plan->tile)
+        return log_no_memory(env, count * sizeof *plan->tile, "tiles");
+    plan_place_tiles(plan);
     return STP_OK;
 }
 
@@ -204,5 +220,5 @@ enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
         steps(plan, cut(w, columns, columns > 1 ? margin(plan) : 0),
               cut(h, rows, rows > 1 ? margin(plan) : 0));
     }
-    return lay_out(env, plan, columns, rows);
+    return lay_out(env, plan);
 }

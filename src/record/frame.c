@@ -1,33 +1,22 @@
 #include "record/record.h"
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/thread.h"
 
-static enum stp_result make_resources(const struct stp_env *env, struct record_frame *frame)
+/* Outputs that the host cannot read where they are. */
+static enum stp_result make_read_back(const struct stp_env *env, struct record_frame *frame)
 {
     const struct stp_plan *plan = frame->plan;
-    for (uint32_t i = 0; i < plan->resource_count; i++) {
-        const struct plan_resource *r = &plan->resource[i];
-        enum stp_result result =
-            r->format == PLAN_BUFFER
-                ? gpu_buffer_create(env, frame->context, r->bytes, GPU_DEVICE, r->name,
-                                    &frame->resources.buffer[i])
-                : gpu_image_create(env, frame->context, pass_format(r->format), r->width, r->height,
-                                   r->layers, r->name, &frame->resources.image[i]);
-        if (result == STP_OK && r->lifetime == PLAN_OUTPUT && !frame->resources.buffer[i].mapped)
-            result = gpu_buffer_create(env, frame->context, r->bytes, GPU_READ_BACK, r->name,
-                                       &frame->read_back[i]);
-        if (result != STP_OK)
-            return result;
-    }
-    if (plan->loop_first) {
-        enum stp_result result = gpu_buffer_create(env, frame->context, 4, GPU_READ_BACK,
-                                                   "what remains", &frame->remaining);
-        if (result != STP_OK)
-            return result;
-    }
-    return gpu_buffer_create(env, frame->context, sizeof(struct stp_frame_constants), GPU_DEVICE,
-                             "frame constants", &frame->resources.constants);
+    enum stp_result result = STP_OK;
+    for (uint32_t i = 0; result == STP_OK && i < plan->resource_count; i++)
+        if (plan->resource[i].lifetime == PLAN_OUTPUT && !frame->resources.buffer[i].mapped)
+            result = gpu_buffer_create(env, frame->context, plan->resource[i].bytes, GPU_READ_BACK,
+                                       plan->resource[i].name, &frame->read_back[i]);
+    if (result == STP_OK && plan->loop_first)
+        result = gpu_buffer_create(env, frame->context, 4, GPU_READ_BACK, "what remains",
+                                   &frame->remaining);
+    return result;
 }
 
 /* Binding 0 is the frame block; an image of slot s, when the plan has it, is 1 + s - first image.
@@ -46,33 +35,31 @@ static uint32_t image_bindings(const struct stp_plan *plan, uint32_t binding[PLA
     return count;
 }
 
-static VkResult make_layouts(struct record_frame *frame, uint32_t images, const uint32_t *binding)
+static VkResult make_layouts(struct stp_context *c, struct record_pipelines *p, uint32_t images,
+                             const uint32_t *binding, bool hosted)
 {
-    struct stp_context *c = frame->context;
-    const VkShaderStageFlags stages =
-        VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
     VkDescriptorSetLayoutBinding bindings[1 + PLAN_SLOTS] = {
-        { 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, stages, NULL }
+        { 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, PASS_PUSH_STAGES, NULL }
     };
     for (uint32_t i = 0; i < images; i++)
         bindings[1 + i] =
-            (VkDescriptorSetLayoutBinding){ binding[i], VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1, stages,
-                                            NULL };
+            (VkDescriptorSetLayoutBinding){ binding[i], VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1,
+                                            PASS_PUSH_STAGES, NULL };
     VkDescriptorSetLayoutCreateInfo set = { .sType =
                                                 VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
                                             .bindingCount = 1 + images,
                                             .pBindings = bindings };
-    VkResult result =
-        c->vk.vkCreateDescriptorSetLayout(c->device, &set, NULL, &frame->resources.set_layout);
+    VkResult result = c->vk.vkCreateDescriptorSetLayout(c->device, &set, NULL, &p->set_layout);
     if (result != VK_SUCCESS)
         return result;
-    VkPushConstantRange push = { stages, 0, RECORD_PUSH_SAMPLE + 4 };
+    uint32_t bytes = PASS_PUSH_HOST + (hosted ? (uint32_t)sizeof(struct pass_host_push) : 0);
+    VkPushConstantRange push = { PASS_PUSH_STAGES, 0, bytes };
     VkPipelineLayoutCreateInfo layout = { .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                           .setLayoutCount = 1,
-                                          .pSetLayouts = &frame->resources.set_layout,
+                                          .pSetLayouts = &p->set_layout,
                                           .pushConstantRangeCount = 1,
                                           .pPushConstantRanges = &push };
-    return c->vk.vkCreatePipelineLayout(c->device, &layout, NULL, &frame->resources.layout);
+    return c->vk.vkCreatePipelineLayout(c->device, &layout, NULL, &p->layout);
 }
 
 static VkResult make_set(struct record_frame *frame, uint32_t images)
@@ -90,7 +77,7 @@ static VkResult make_set(struct record_frame *frame, uint32_t images)
     VkDescriptorSetAllocateInfo set = { .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_SET_ALLOCATE_INFO,
                                         .descriptorPool = frame->resources.pool,
                                         .descriptorSetCount = 1,
-                                        .pSetLayouts = &frame->resources.set_layout };
+                                        .pSetLayouts = &frame->pipelines->set_layout };
     return c->vk.vkAllocateDescriptorSets(c->device, &set, &frame->resources.set);
 }
 
@@ -126,9 +113,7 @@ static enum stp_result make_descriptors(const struct stp_env *env, struct record
     uint32_t binding[PLAN_SLOTS];
     uint8_t resource[PLAN_SLOTS];
     uint32_t images = image_bindings(frame->plan, binding, resource);
-    VkResult result = make_layouts(frame, images, binding);
-    if (result == VK_SUCCESS)
-        result = make_set(frame, images);
+    VkResult result = make_set(frame, images);
     if (result != VK_SUCCESS)
         return gpu_error(env, result, "making descriptor sets");
     write_set(frame, images, binding, resource);
@@ -153,10 +138,10 @@ static void make_range(void *context, size_t begin, size_t end, unsigned worker)
     for (size_t i = begin; i < end; i++)
         m->result[i] =
             pass_pipeline(&silent, m->frame->context, m->frame->plan, &m->frame->plan->pass[i],
-                          &m->frame->resources, &m->frame->pipeline[i]);
+                          &m->frame->resources, &m->frame->pipelines->pipeline[i]);
 }
 
-static enum stp_result make_pipelines(const struct stp_env *env, struct record_frame *frame)
+static enum stp_result compile(const struct stp_env *env, struct record_frame *frame)
 {
     struct making making = { .frame = frame };
     /* Validation layers speak on the thread that calls them, and only the caller's may log. */
@@ -167,34 +152,127 @@ static enum stp_result make_pipelines(const struct stp_env *env, struct record_f
         enum stp_result result = making.result[i];
         if (result != STP_OK)
             result = pass_pipeline(env, frame->context, frame->plan, &frame->plan->pass[i],
-                                   &frame->resources, &frame->pipeline[i]);
+                                   &frame->resources, &frame->pipelines->pipeline[i]);
         if (result != STP_OK)
             return result;
     }
     return STP_OK;
 }
 
+static enum stp_result make_pipelines(const struct stp_env *env, struct record_frame *frame,
+                                      const struct record_host *host)
+{
+    uint32_t binding[PLAN_SLOTS];
+    uint8_t resource[PLAN_SLOTS];
+    uint32_t images = image_bindings(frame->plan, binding, resource);
+    struct record_pipelines *p = mem_zalloc(1, sizeof *p);
+    if (!p)
+        return log_no_memory(env, sizeof *p, "pipelines");
+    p->users = 1;
+    frame->pipelines = p;
+    VkResult status = make_layouts(frame->context, p, images, binding, host != NULL);
+    if (status != VK_SUCCESS)
+        return gpu_error(env, status, "making pipeline layouts");
+    frame->resources.layout = p->layout;
+    enum stp_result result = compile(env, frame);
+    if (result == STP_OK && host)
+        result =
+            pass_host_pipeline(env, frame->context, frame->plan, &host->pass, p->layout, &p->host);
+    return result;
+}
+
+static void share_pipelines(struct record_frame *frame, struct record_pipelines *p)
+{
+    p->users++;
+    frame->pipelines = p;
+    frame->resources.layout = p->layout;
+}
+
+static void leave_pipelines(struct stp_context *c, struct record_pipelines *p)
+{
+    if (!p || --p->users > 0)
+        return;
+    for (uint32_t i = 0; i < PLAN_MAX_PASSES; i++)
+        if (p->pipeline[i])
+            c->vk.vkDestroyPipeline(c->device, p->pipeline[i], NULL);
+    if (p->host)
+        c->vk.vkDestroyPipeline(c->device, p->host, NULL);
+    if (p->layout)
+        c->vk.vkDestroyPipelineLayout(c->device, p->layout, NULL);
+    if (p->set_layout)
+        c->vk.vkDestroyDescriptorSetLayout(c->device, p->set_layout, NULL);
+    mem_free(p);
+}
+
+static enum stp_result make_queries(const struct stp_env *env, struct record_frame *frame)
+{
+    struct stp_context *c = frame->context;
+    if (!(c->timestamp_ms > 0))
+        return STP_OK;
+    VkQueryPoolCreateInfo info = { .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
+                                   .queryType = VK_QUERY_TYPE_TIMESTAMP,
+                                   .queryCount = RECORD_MAX_STEPS + 1 };
+    VkResult status = c->vk.vkCreateQueryPool(c->device, &info, NULL, &frame->queries);
+    return status == VK_SUCCESS ? STP_OK : gpu_error(env, status, "vkCreateQueryPool");
+}
+
+static enum stp_result keep_or_destroy(enum stp_result result, struct record_frame *frame)
+{
+    if (result != STP_OK)
+        record_frame_destroy(frame);
+    return result;
+}
+
 enum stp_result record_frame_create(const struct stp_env *env, struct stp_context *context,
                                     const struct stp_plan *plan, struct record_frame *frame)
 {
     *frame = (struct record_frame){ .plan = plan, .context = context };
-    enum stp_result result = make_resources(env, frame);
+    enum stp_result result =
+        record_resources_create(env, context, plan, RECORD_ALL, NULL, &frame->resources);
+    if (result == STP_OK)
+        result = make_read_back(env, frame);
+    if (result == STP_OK)
+        result = make_pipelines(env, frame, NULL);
     if (result == STP_OK)
         result = make_descriptors(env, frame);
     if (result == STP_OK)
-        result = make_pipelines(env, frame);
-    if (result == STP_OK && context->timestamp_ms > 0) {
-        VkQueryPoolCreateInfo info = { .sType = VK_STRUCTURE_TYPE_QUERY_POOL_CREATE_INFO,
-                                       .queryType = VK_QUERY_TYPE_TIMESTAMP,
-                                       .queryCount = RECORD_MAX_STEPS + 1 };
-        VkResult status =
-            context->vk.vkCreateQueryPool(context->device, &info, NULL, &frame->queries);
-        if (status != VK_SUCCESS)
-            result = gpu_error(env, status, "vkCreateQueryPool");
+        result = make_queries(env, frame);
+    return keep_or_destroy(result, frame);
+}
+
+/* One block, unless no type of memory holds both the buffers and the images. */
+static enum stp_result make_scratch(const struct stp_env *env, struct record_frame *frame,
+                                    const struct record_host *host)
+{
+    if (host->scratch) {
+        frame->scratch.part.where = *host->scratch;
+        return STP_OK;
     }
-    if (result != STP_OK)
-        record_frame_destroy(frame);
-    return result;
+    VkMemoryRequirements needs =
+        record_resources_need(frame->context, frame->plan, RECORD_WITHOUT_SCENE);
+    return needs.memoryTypeBits ? gpu_block_create(env, frame->context, &needs, GPU_DEVICE,
+                                                   "a frame's scratch", &frame->scratch)
+                                : STP_OK;
+}
+
+enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp_context *context,
+                                           const struct stp_plan *plan,
+                                           const struct record_host *host,
+                                           struct record_frame *frame)
+{
+    *frame = (struct record_frame){ .plan = plan, .context = context };
+    enum stp_result result = make_scratch(env, frame, host);
+    if (result == STP_OK)
+        result = record_resources_create(env, context, plan, RECORD_WITHOUT_SCENE,
+                                         frame->scratch.part.where.memory ? &frame->scratch : NULL,
+                                         &frame->resources);
+    if (result == STP_OK && host->pipelines)
+        share_pipelines(frame, host->pipelines);
+    else if (result == STP_OK)
+        result = make_pipelines(env, frame, host);
+    if (result == STP_OK)
+        result = make_descriptors(env, frame);
+    return keep_or_destroy(result, frame);
 }
 
 void record_frame_destroy(struct record_frame *frame)
@@ -202,23 +280,15 @@ void record_frame_destroy(struct record_frame *frame)
     struct stp_context *c = frame->context;
     if (!c)
         return;
-    for (uint32_t i = 0; i < PLAN_MAX_PASSES; i++)
-        if (frame->pipeline[i])
-            c->vk.vkDestroyPipeline(c->device, frame->pipeline[i], NULL);
+    leave_pipelines(c, frame->pipelines);
     if (frame->queries)
         c->vk.vkDestroyQueryPool(c->device, frame->queries, NULL);
     if (frame->resources.pool)
         c->vk.vkDestroyDescriptorPool(c->device, frame->resources.pool, NULL);
-    if (frame->resources.layout)
-        c->vk.vkDestroyPipelineLayout(c->device, frame->resources.layout, NULL);
-    if (frame->resources.set_layout)
-        c->vk.vkDestroyDescriptorSetLayout(c->device, frame->resources.set_layout, NULL);
-    for (uint32_t i = 0; i < PLAN_MAX_RESOURCES; i++) {
-        gpu_buffer_destroy(c, &frame->resources.buffer[i]);
+    for (uint32_t i = 0; i < PLAN_MAX_RESOURCES; i++)
         gpu_buffer_destroy(c, &frame->read_back[i]);
-        gpu_image_destroy(c, &frame->resources.image[i]);
-    }
     gpu_buffer_destroy(c, &frame->remaining);
-    gpu_buffer_destroy(c, &frame->resources.constants);
+    record_resources_destroy(c, &frame->resources);
+    gpu_block_destroy(c, &frame->scratch);
     *frame = (struct record_frame){ 0 };
 }

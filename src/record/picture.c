@@ -166,7 +166,7 @@ static enum stp_result invalidate(const struct stp_env *env, struct record_frame
         if (frame->plan->resource[i].lifetime != PLAN_OUTPUT || b->coherent)
             continue;
         VkMappedMemoryRange range = { .sType = VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE,
-                                      .memory = b->memory,
+                                      .memory = b->memory.where.memory,
                                       .size = VK_WHOLE_SIZE };
         VkResult status = c->vk.vkInvalidateMappedMemoryRanges(c->device, 1, &range);
         if (status != VK_SUCCESS)

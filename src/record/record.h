@@ -7,20 +7,53 @@
 
 struct stp_scene;
 
+/* What frames of one plan share. */
+struct record_pipelines {
+    unsigned users;
+    VkDescriptorSetLayout set_layout;
+    VkPipelineLayout layout;
+    VkPipeline pipeline[PLAN_MAX_PASSES];
+    VkPipeline host; /* the last pass of a host's frame */
+};
+
 struct record_frame {
     const struct stp_plan *plan;
     struct stp_context *context;
     struct pass_resources resources;
-    VkPipeline pipeline[PLAN_MAX_PASSES];
+    struct record_pipelines *pipelines;
+    struct gpu_block scratch;                        /* of a hosted frame */
     struct gpu_buffer read_back[PLAN_MAX_RESOURCES]; /* of outputs that are not mapped */
     struct gpu_buffer remaining;                     /* STP_WORK_REMAINING, where the plan loops */
     VkQueryPool queries;                             /* RECORD_MAX_STEPS + 1; may be null */
 };
 
-/* frame.c */
+/* resources.c: buffers and images of the lifetimes in `wanted` (1 << enum plan_lifetime, or-ed);
+ * from the block when that is not NULL. On failure the caller destroys what there is. */
+#define RECORD_WITHOUT_SCENE (RECORD_ALL & ~(1u << PLAN_SCENE))
+#define RECORD_ALL           ((1u << PLAN_SCENE) | (1u << PLAN_TRANSIENT) | (1u << PLAN_OUTPUT))
+enum stp_result record_resources_create(const struct stp_env *env, struct stp_context *context,
+                                        const struct stp_plan *plan, unsigned wanted,
+                                        struct gpu_block *block, struct pass_resources *resources);
+void record_resources_destroy(struct stp_context *context, struct pass_resources *resources);
+/* What record_resources_create would take of a block, with the frame's constants. */
+VkMemoryRequirements record_resources_need(const struct stp_context *context,
+                                           const struct stp_plan *plan, unsigned wanted);
+
+/* frame.c: with the scene's buffers, outputs that can be read back, and queries. */
 enum stp_result record_frame_create(const struct stp_env *env, struct stp_context *context,
                                     const struct stp_plan *plan, struct record_frame *frame);
 void record_frame_destroy(struct record_frame *frame);
+
+/* A frame of a host's: the scene's buffers are a resident's, and nothing is read back. */
+struct record_host {
+    struct pass_host pass;
+    const struct stp_device_memory *scratch; /* NULL: memory of its own */
+    struct record_pipelines *pipelines;      /* NULL: compiled */
+};
+enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp_context *context,
+                                           const struct stp_plan *plan,
+                                           const struct record_host *host,
+                                           struct record_frame *frame);
 
 /* upload.c: the scene's buffers of the plan. */
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
@@ -51,8 +84,16 @@ uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sam
 /* walk.c: records one part of one tile; nothing is allocated, submitted or waited for. timed: a
  * full barrier and a timestamp after every step. skip_barrier: leaves out the barrier before that
  * pass (tests prove with it that validation sees). */
-#define RECORD_NO_PASS     UINT32_MAX
-#define RECORD_PUSH_SAMPLE 4 /* offset of the sample's index in the push constants */
+#define RECORD_NO_PASS UINT32_MAX
+/* Every stage that a frame, ours or a host's, may use on its queue. */
+#define RECORD_STAGES                                                                              \
+    (VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |               \
+     VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |      \
+     VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT |                                                 \
+     VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |    \
+     VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT)
+/* From all that was written in those stages to all that they do next. */
+VkMemoryBarrier2 record_everything(void);
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
                  uint32_t part, bool timed, uint32_t skip_barrier);
 
@@ -68,6 +109,9 @@ enum stp_result record_read_back(const struct stp_env *env, struct record_frame 
 enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
                            const struct stp_scene *scene, struct stp_image *image, double *ms,
                            double *read_back_ms);
+/* What the plan's shaders were chosen for must be enabled on this device. */
+enum stp_result record_check_features(const struct stp_env *env, const struct stp_context *context,
+                                      const struct stp_plan *plan);
 /* A few more frames, timed pass by pass: stats->pass gets the medians. */
 enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
                                struct stp_render_stats *stats);

@@ -65,7 +65,7 @@ static enum stp_result read_remaining(const struct stp_env *env, struct record_f
     if (!frame->plan->loop_first)
         return STP_OK;
     VkMappedMemoryRange range = { .sType = VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE,
-                                  .memory = frame->remaining.memory,
+                                  .memory = frame->remaining.memory.where.memory,
                                   .size = VK_WHOLE_SIZE };
     VkResult status = frame->remaining.coherent
                           ? VK_SUCCESS
@@ -186,8 +186,7 @@ static enum stp_result run(const struct stp_env *env, struct record_frame *frame
     return result;
 }
 
-/* What the plan's shaders were chosen for must be enabled on this device. */
-static enum stp_result check_features(const struct stp_env *env, const struct stp_context *context,
+enum stp_result record_check_features(const struct stp_env *env, const struct stp_context *context,
                                       const struct stp_plan *plan)
 {
     const struct {
@@ -212,7 +211,10 @@ static enum stp_result render_on_device(const struct stp_env *env, struct stp_co
 {
     struct record_frame frame;
     struct stp_image *made = NULL;
-    enum stp_result usable = check_features(env, context, plan);
+    if (context->imported)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "an imported context submits nothing; use stp_frame_record");
+    enum stp_result usable = record_check_features(env, context, plan);
     if (usable != STP_OK)
         return usable;
     context->env = env;

@@ -121,6 +121,8 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
     enum stp_result result = STP_OK;
     for (uint32_t i = 0; result == STP_OK && i < frame->plan->resource_count; i++) {
         struct gpu_buffer *buffer = &frame->resources.buffer[i];
+        if (!buffer->handle) /* a host's own */
+            continue;
         switch (frame->plan->resource[i].slot) {
         case PLAN_SPLATS:
             result = upload_splats(env, frame, &scene->splats, buffer);

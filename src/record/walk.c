@@ -89,6 +89,16 @@ static void synchronise(struct record_frame *frame, VkCommandBuffer commands,
         barrier(frame, commands, &memory);
 }
 
+VkMemoryBarrier2 record_everything(void)
+{
+    return (VkMemoryBarrier2){ .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+                               .srcStageMask = RECORD_STAGES,
+                               .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+                               .dstStageMask = RECORD_STAGES,
+                               .dstAccessMask =
+                                   VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT };
+}
+
 /* Images are in the general layout throughout: they are attachments once and storage once, and a
  * transition between would cost more than it could gain. */
 static void begin(struct record_frame *frame, VkCommandBuffer commands)
@@ -101,9 +111,9 @@ static void begin(struct record_frame *frame, VkCommandBuffer commands)
             continue;
         images[count++] = (VkImageMemoryBarrier2){
             .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-            .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+            .srcStageMask = RECORD_STAGES,
             .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-            .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+            .dstStageMask = RECORD_STAGES,
             .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
             .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
             .newLayout = VK_IMAGE_LAYOUT_GENERAL,
@@ -113,12 +123,7 @@ static void begin(struct record_frame *frame, VkCommandBuffer commands)
             .subresourceRange = { image->aspect, 0, 1, 0, VK_REMAINING_ARRAY_LAYERS }
         };
     }
-    VkMemoryBarrier2 memory = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                                .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-                                .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                                .dstAccessMask =
-                                    VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT };
+    VkMemoryBarrier2 memory = record_everything();
     VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                               .memoryBarrierCount = 1,
                               .pMemoryBarriers = &memory,
@@ -154,12 +159,7 @@ static void bind(struct record_frame *frame, VkCommandBuffer commands)
 
 static void stamp(struct record_frame *frame, VkCommandBuffer commands, uint32_t query)
 {
-    VkMemoryBarrier2 all = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-                             .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                             .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
-                             .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-                             .dstAccessMask =
-                                 VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT };
+    VkMemoryBarrier2 all = record_everything();
     barrier(frame, commands, &all);
     frame->context->vk.vkCmdWriteTimestamp2(commands, VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                             frame->queries, query);
@@ -172,7 +172,7 @@ static void finish(struct record_frame *frame, VkCommandBuffer commands)
     bool copies = false;
     VkMemoryBarrier2 memory = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
-        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .srcStageMask = RECORD_STAGES,
         .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
         .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
         .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT
@@ -209,10 +209,8 @@ static void copy_remaining(struct record_frame *frame, VkCommandBuffer commands)
 
 static void push_sample(struct record_frame *frame, VkCommandBuffer commands, uint32_t sample)
 {
-    frame->context->vk.vkCmdPushConstants(commands, frame->resources.layout,
-                                          VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
-                                              VK_SHADER_STAGE_FRAGMENT_BIT,
-                                          RECORD_PUSH_SAMPLE, sizeof sample, &sample);
+    frame->context->vk.vkCmdPushConstants(commands, frame->resources.layout, PASS_PUSH_STAGES,
+                                          PASS_PUSH_SAMPLE, sizeof sample, &sample);
 }
 
 uint32_t record_parts(const struct stp_plan *plan)
@@ -289,12 +287,12 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
         pushed = sample;
         synchronise(frame, commands, &plan->pass[pass], &hazards, pass == skip_barrier);
         pass_record(frame->context, commands, plan, &plan->pass[pass], tile, &frame->resources,
-                    frame->pipeline[pass]);
+                    frame->pipelines->pipeline[pass]);
         if (timed)
             stamp(frame, commands, i + 1);
     }
-    if (plan->loop_first)
+    if (plan->loop_first && !frame->pipelines->host)
         copy_remaining(frame, commands);
-    if (steps.last)
+    if (steps.last && !frame->pipelines->host)
         finish(frame, commands);
 }

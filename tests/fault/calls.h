@@ -68,6 +68,8 @@
     X(vkGetPhysicalDeviceQueueFamilyProperties)                                                    \
     X(vkGetDeviceQueue)                                                                            \
     X(vkGetBufferDeviceAddress)                                                                    \
+    X(vkGetDeviceBufferMemoryRequirements)                                                         \
+    X(vkGetDeviceImageMemoryRequirements)                                                          \
     X(vkUnmapMemory)                                                                               \
     X(vkUpdateDescriptorSets)                                                                      \
     X(vkCmdResetQueryPool)                                                                         \

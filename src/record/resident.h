@@ -1,0 +1,18 @@
+/* The scene's buffers of a plan, apart from any frame. */
+#ifndef STP_RECORD_RESIDENT_H
+#define STP_RECORD_RESIDENT_H
+
+#include "record/record.h"
+
+struct stp_resident {
+    struct stp_context *context;
+    struct gpu_block block;
+    struct gpu_buffer buffer[PLAN_BUFFER_SLOTS]; /* of PLAN_SCENE, by slot */
+    VkBuffer borrowed;                           /* the host's splats; may be null */
+    uint64_t splats;
+    bool color, recorded;
+    uint32_t pending_count;
+    struct gpu_pending pending[GPU_MOST_PENDING];
+};
+
+#endif
