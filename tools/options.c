@@ -203,9 +203,10 @@ const struct option_spec option_table[] = {
       "highlights seen from the eye's place (default: from its direction, one for the picture)",
       value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },
 
-    { "Method", PICTURE, "method", 0, "auto|deferred|two-pass|exact|reference",
+    { "Method", PICTURE, "method", 0, "auto|deferred|two-pass|exact|reference|pyramid",
       "deferred: groups blended in one pass; two-pass: visibility, then blending; exact: every "
-      "fragment kept and resolved; reference: float64 on the CPU, slow, needs no Vulkan (default: "
+      "fragment kept and resolved; pyramid: one pixel a point, then pull and push, for clouds of "
+      "many millions; reference: float64 on the CPU, slow, needs no Vulkan (default: "
       "auto, exact where the device has what it needs, else deferred)",
       value_choice, AT(render.method), NULL, 0, 0, NULL },
     { NULL, PICTURE, "transparency", 0, "auto|fast|nearest|peel|exact|reference",

@@ -50,9 +50,9 @@ layout(constant_id = 16) const bool REPAIR = false;      // two-pass code on ove
 layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside packed slots
 // 18 to 20 (64-bit atomics, gl_Layer from the vertex shader, doubles) choose modules, not code.
 layout(constant_id = 21) const uint SAMPLE_GRID = 1;     // the picture is the mean of SAMPLES
-layout(constant_id = 22) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
-layout(constant_id = 23) const bool MIXED = false;       // some splats are opaque, where others are not
-layout(constant_id = 24) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
+layout(constant_id = 23) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
+layout(constant_id = 24) const bool MIXED = false;       // some splats are opaque, where others are not
+layout(constant_id = 25) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
@@ -62,4 +62,12 @@ const uint ID_WORDS = (SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS) + ((AOVS & 4) == 0 ?
 #ifndef PUSH_MORE
 #define PUSH_MORE
 #endif
-layout(push_constant) uniform Push { uint push_first; uint push_sample; PUSH_MORE };
+// push_first: the first splat of a draw, or the level of a pyramid; push_count: points.
+layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; uint push_pad; PUSH_MORE };
+// Constant 22 is the size of a workgroup of the pyramid's passes.
+
+// An id that can be looked up, also of a lane that has none: loads are not always masked.
+uint splat_known(uint id)
+{
+    return min(id, frame.splat_count - 1);
+}

@@ -1,6 +1,11 @@
 // Deferred shading, one for every method: averaged attributes in, the picture's channels out.
 #include "lib/optics.glsl"
 
+// Which of the materials is the surface's.
+#ifndef SURFACE_OBJECT
+#define SURFACE_OBJECT(s) (floatBitsToUint(frame.splats.v[2 * splat_known(s.id) + 1].w) >> 8)
+#endif
+
 struct Surface {
     float weight;     // sum of weights
     vec3 normal;      // weighted sum, camera frame
@@ -77,7 +82,7 @@ uint surface_object(bool hit, Surface s)
 {
     if (!HAS_OBJECTS)
         return 0;
-    return hit ? floatBitsToUint(frame.splats.v[2 * splat_known(s.id) + 1].w) >> 8 : 0;
+    return hit ? SURFACE_OBJECT(s) : 0;
 }
 
 Look surface_look(uvec2 p, bool hit, Surface s)

@@ -328,12 +328,6 @@ bool splat_small(Splat s, out bool floored, out ivec4 box)
     return bounds_small(s, floored, box);
 }
 
-// An id that can be looked up, also of a lane that has none: loads are not always masked.
-uint splat_known(uint id)
-{
-    return min(id, frame.splat_count - 1);
-}
-
 // In a scene that is transparent somewhere.
 float splat_opacity(uint id)
 {

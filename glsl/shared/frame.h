@@ -49,6 +49,20 @@
 #define STP_TAG_GROUP     63u
 #define STP_TAG_INVISIBLE 64u  /* opacity 0: it has no fragments */
 #define STP_TAG_OPAQUE    128u /* opacity 1, in a scene that is transparent elsewhere */
+#define STP_NO_NORMAL    0x80008000u /* of a point: no octahedral normal is packed to this */
+#define STP_NO_POINT     0x7fffffffu /* key words of a pixel that no point fell into; positive ints */
+#define STP_RIM_DEPTH    0x7f800001u /* then, of one that the push left empty: farther than all */
+#define STP_RIM_NONE     0x7ffffffeu
+#define STP_RIM          0x60000000u /* added to the pixel whose point reaches one from outside */
+#define STP_RIM_REACH    255         /* pixels: as far as such a point is looked for */
+#define STP_POINT_RUN    512  /* points that a workgroup projects */
+#define STP_LEVELS       16   /* of a pyramid, at most */
+#define STP_BLOCK_LEVEL  3    /* whose texels are blocks */
+/* Descriptor bindings of what is fetched as texels; the order is enum plan_slot's. */
+#define STP_BINDING_PYRAMID    6
+#define STP_BINDING_ATTRIBUTES 7
+#define STP_BINDING_POINTS     8
+#define STP_BINDING_RADII      9
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
 #define STP_SUMS_NONE    0x7f8000007ffffffful
@@ -56,6 +70,10 @@
 /* Words of the work buffer: indirect arguments, then counters, then the block flags and list. */
 #define STP_WORK_LARGE    0 /* x y z count of large splats */
 #define STP_WORK_BLOCKS   4 /* x y z count of touched blocks */
+#define STP_WORK_LEVEL_1  8 /* x y z: pyramid, texels of level 1 in touched blocks; then level 2 */
+#define STP_WORK_LEVEL_2  12
+#define STP_WORK_EMPTY    16 /* x y z count of pixels that the push left empty */
+#define STP_WORK_RIM      20 /* x y z count of points that may reach one from farther off */
 #define STP_WORK_REPAIR   8 /* x y z count of small splats that touch an overflowed block */
 #define STP_WORK_REPAIR_L 12
 #define STP_WORK_REPAIR_BLOCKS 16 /* x y z: the touched blocks again; else 0 */
@@ -100,8 +118,10 @@ struct stp_frame_constants {
     STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */
     STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group */
     STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
+    STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
+    STP_ADDRESS(UintRef, rim);           /* pyramid: empty pixels, then, from the end, those points */
     STP_ADDRESS(UintRef, large);         /* ids of large splats; exact: then those to repair */
-    STP_ADDRESS(Uint64Ref, keys);        /* deferred: K a pixel; exact: STP_SLOTS a pixel */
+    STP_ADDRESS(Uint64Ref, keys);        /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
     STP_ADDRESS(UintRef, key_ids);       /* exact, packed, when ids are needed beside */
     STP_ADDRESS(UintRef, counts);        /* exact: fragments a pixel */
     STP_ADDRESS(UintRef, nearest);       /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
@@ -142,6 +162,14 @@ struct stp_frame_constants {
     float raster_near;    /* hardware depth = raster_near / depth, or affine when orthographic */
     float raster_scale;
     float raster_slab; /* hardware depth of one slab (ZP Eq. 10) */
+    int grid_x, grid_y;            /* pyramid: whole-picture pixel of its first texel; blocks */
+    uint grid_width, grid_height;  /* whole blocks */
+    uint level_column;             /* of the image, where levels above 0 begin */
+    uint level_row[STP_LEVELS];
+    float radius_unit, radius_scale; /* what radii are packed in, and its inverse */
+    int block_reach; /* blocks beyond a touched one that a disc may reach */
+    float pyramid_floor;             /* least radius on the screen, pixels */
+    float pyramid_color;             /* colours are packed times this */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
     float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
     STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];

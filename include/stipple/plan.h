@@ -15,6 +15,7 @@ enum stp_method {
     STP_METHOD_TWO_PASS,  /* the classical 2+1 pass */
     STP_METHOD_EXACT,     /* every fragment kept in one geometry pass, resolved exactly */
     STP_METHOD_REFERENCE, /* float64 on the CPU */
+    STP_METHOD_PYRAMID,   /* MKC: one pixel a point, then pull and push */
 };
 /* How the layers of a transparent scene are composited; a scene that is opaque ignores it. */
 enum stp_transparency {

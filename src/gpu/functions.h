@@ -45,6 +45,8 @@
     X(vkCreateImage)                                                                               \
     X(vkDestroyImage)                                                                              \
     X(vkGetImageMemoryRequirements)                                                                \
+    X(vkCreateBufferView)                                                                          \
+    X(vkDestroyBufferView)                                                                         \
     X(vkGetDeviceBufferMemoryRequirements)                                                         \
     X(vkGetDeviceImageMemoryRequirements)                                                          \
     X(vkCreateImageView)                                                                           \

@@ -13,6 +13,8 @@ SLOT_OFFSET(optics, PLAN_OBJECT_OPTICS);
 SLOT_OFFSET(environment, PLAN_ENVIRONMENT);
 SLOT_OFFSET(order, PLAN_ORDER);
 SLOT_OFFSET(work, PLAN_WORK);
+SLOT_OFFSET(objects, PLAN_OBJECTS);
+SLOT_OFFSET(rim, PLAN_RIM);
 SLOT_OFFSET(large, PLAN_LARGE);
 SLOT_OFFSET(keys, PLAN_KEYS);
 SLOT_OFFSET(key_ids, PLAN_SLOT_IDS);
@@ -29,8 +31,13 @@ _Static_assert(offsetof(struct stp_frame_constants, rotation64) == 8 * PLAN_BUFF
                    offsetof(struct stp_frame_constants, rotation) == 8 * PLAN_BUFFER_SLOTS + 128,
                "rotation");
 _Static_assert(offsetof(struct stp_frame_constants, lights) ==
-                   offsetof(struct stp_frame_constants, raster_slab) + 4,
+                   offsetof(struct stp_frame_constants, pyramid_color) + 4,
                "lights");
+#define BINDING(binding, slot) _Static_assert((binding) == PLAN_BINDING(slot), #slot)
+BINDING(STP_BINDING_PYRAMID, PLAN_IMAGE_PYRAMID);
+BINDING(STP_BINDING_ATTRIBUTES, PLAN_IMAGE_ATTRIBUTES);
+BINDING(STP_BINDING_POINTS, PLAN_TEXEL_POINTS);
+BINDING(STP_BINDING_RADII, PLAN_TEXEL_RADII);
 _Static_assert(sizeof(struct stp_frame_constants) % 4 == 0 &&
                    sizeof(struct stp_frame_constants) < 65536,
                "vkCmdUpdateBuffer");
@@ -50,5 +57,12 @@ struct stp_frame_constants pass_constants(const struct stp_plan *plan,
     constants.tile_height = tile->height;
     constants.blocks_x = (tile->width + STP_BLOCK - 1) / STP_BLOCK;
     constants.blocks_y = (tile->height + STP_BLOCK - 1) / STP_BLOCK;
+    if (plan->method == STP_METHOD_PYRAMID) {
+        struct plan_grid grid = plan_tile_grid(plan, tile);
+        constants.grid_x = grid.x;
+        constants.grid_y = grid.y;
+        constants.grid_width = grid.width;
+        constants.grid_height = grid.height;
+    }
     return constants;
 }

@@ -10,16 +10,19 @@
 struct pass_resources {
     struct gpu_buffer buffer[PLAN_MAX_RESOURCES];
     struct gpu_image image[PLAN_MAX_RESOURCES];
-    struct gpu_buffer constants; /* the frame block */
-    VkPipelineLayout layout;     /* not owned */
+    VkBufferView texels[PLAN_MAX_RESOURCES]; /* of buffers that are fetched as texels */
+    struct gpu_buffer constants;             /* the frame block */
+    VkPipelineLayout layout;                 /* not owned */
     VkDescriptorPool pool;
     VkDescriptorSet set;
 };
 
-/* Push constants: the first splat of a draw, the sample's index; then, of a host's frame, struct
- * pass_host_push. */
+/* Push constants: the first splat of a draw or the level of a pyramid, the sample's index, a count
+ * of points; then, of a host's frame, struct pass_host_push. */
+#define PASS_PUSH_FIRST  0
 #define PASS_PUSH_SAMPLE 4
-#define PASS_PUSH_HOST   8
+#define PASS_PUSH_COUNT  8
+#define PASS_PUSH_HOST   16
 #define PASS_PUSH_STAGES                                                                           \
     (VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT)
 
@@ -74,6 +77,8 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                         VkPipeline pipeline);
 
 VkFormat pass_format(enum plan_format format);
+bool pass_is_image(enum plan_format format);
+bool pass_is_texels(enum plan_format format);
 
 /* raster.c: what graphics pipelines differ in. pass NULL: as the plan says. */
 #define PASS_MOST_COLORS 4

@@ -11,10 +11,25 @@ VkFormat pass_format(enum plan_format format)
         return VK_FORMAT_R32G32B32A32_SFLOAT;
     case PLAN_D32F:
         return VK_FORMAT_D32_SFLOAT;
+    case PLAN_RGBA32UI:
+    case PLAN_TEXELS_RGBA32UI:
+        return VK_FORMAT_R32G32B32A32_UINT;
+    case PLAN_TEXELS_R32F:
+        return VK_FORMAT_R32_SFLOAT;
     case PLAN_BUFFER:
         break;
     }
     return VK_FORMAT_UNDEFINED;
+}
+
+bool pass_is_texels(enum plan_format format)
+{
+    return format == PLAN_TEXELS_RGBA32UI || format == PLAN_TEXELS_R32F;
+}
+
+bool pass_is_image(enum plan_format format)
+{
+    return format != PLAN_BUFFER && !pass_is_texels(format);
 }
 
 /* The plan's resource indices of a pass's attachments; depth is PLAN_NONE where there is none. */

@@ -5,9 +5,18 @@ static uint32_t blocks(uint32_t pixels)
     return (pixels + STP_BLOCK - 1) / STP_BLOCK;
 }
 
+/* Of the work buffer's flags. */
+static uint32_t block_count(const struct stp_plan *plan, const struct plan_tile *tile)
+{
+    if (plan->method != STP_METHOD_PYRAMID)
+        return blocks(tile->width) * blocks(tile->height);
+    struct plan_grid grid = plan_tile_grid(plan, tile);
+    return plan_level_blocks(&grid, 0);
+}
+
 /* Indirect arguments start as one row of no workgroups, flags as untouched. */
 static void reset_arguments(struct stp_context *context, VkCommandBuffer commands,
-                            const struct plan_tile *tile, const struct gpu_buffer *work)
+                            uint32_t block_count, const struct gpu_buffer *work)
 {
     uint32_t words[STP_WORK_FLAGS] = { 0 };
     const uint32_t arguments[] = { STP_WORK_LARGE,    STP_WORK_BLOCKS,        STP_WORK_REPAIR,
@@ -15,7 +24,7 @@ static void reset_arguments(struct stp_context *context, VkCommandBuffer command
     for (unsigned i = 0; i < sizeof arguments / sizeof *arguments; i++)
         words[arguments[i] + 1] = words[arguments[i] + 2] = 1;
     context->vk.vkCmdUpdateBuffer(commands, work->handle, 0, sizeof words, words);
-    VkDeviceSize flags = (VkDeviceSize)blocks(tile->width) * blocks(tile->height) * 4;
+    VkDeviceSize flags = (VkDeviceSize)block_count * 4;
     context->vk.vkCmdFillBuffer(commands, work->handle, STP_WORK_FLAGS * 4, flags, 0);
 }
 
@@ -25,7 +34,7 @@ void pass_record_transfer(struct stp_context *context, VkCommandBuffer commands,
 {
     if (pass->kind == PLAN_ARGUMENTS) {
         uint8_t work = pass->access[0].resource;
-        reset_arguments(context, commands, tile, &resources->buffer[work]);
+        reset_arguments(context, commands, block_count(plan, tile), &resources->buffer[work]);
         return;
     }
     VkDeviceSize bytes = plan->resource[pass->target].bytes / 4 * 4;

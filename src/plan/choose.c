@@ -105,10 +105,18 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
     if (path == STP_PATH_RASTER && plan->method == STP_METHOD_EXACT)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "method exact has no raster path; ask for compute, or for two-pass");
+    if (path == STP_PATH_RASTER && plan->method == STP_METHOD_PYRAMID)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method pyramid has no raster path; ask for compute");
     if (path == STP_PATH_RASTER && !formats)
         return log_error(env, STP_ERROR_FEATURE,
                          "--path raster needs shaderStorageImageExtendedFormats, which the device "
                          "lacks; use --path compute");
+    if (plan->method == STP_METHOD_PYRAMID && !atomics)
+        return log_error(
+            env, STP_ERROR_FEATURE,
+            "method pyramid needs shaderBufferInt64Atomics, which the device lacks; use "
+            "--method exact");
     if (path == STP_PATH_COMPUTE && plan->method == STP_METHOD_DEFERRED && !atomics)
         return log_error(env, STP_ERROR_FEATURE,
                          "deferred --path compute%s needs shaderBufferInt64Atomics, which the "
@@ -192,6 +200,12 @@ static void explain(struct stp_plan *plan)
                  : plan->voronoi == STP_VORONOI_SLAB ? "slab"
                                                      : "exact");
         break;
+    case STP_METHOD_PYRAMID:
+        snprintf(why, size,
+                 "%s is %s: one pixel a point, %u levels, since the largest splat is at most 2^%u "
+                 "pixels across.",
+                 method, asked, plan->levels, plan->levels - 1);
+        break;
     case STP_METHOD_TWO_PASS:
         snprintf(why, size, "%s is %s: two geometry passes by %s, the classical baseline.", method,
                  asked, stp_path_name(plan->path));
@@ -235,6 +249,8 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
                       (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 &&
                       plan->limits.processor == 2 &&
                       plan->facts.grouping.groups <= plan->limits.max_image_layers;
+    if (plan->method == STP_METHOD_PYRAMID)
+        plan_pyramid_view(plan);
     explain(plan);
     return STP_OK;
 }

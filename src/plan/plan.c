@@ -137,7 +137,8 @@ void stp_plan_summarize(const struct stp_plan *plan, struct stp_plan_summary *su
 
 const char *stp_method_name(enum stp_method method)
 {
-    static const char *const names[] = { "auto", "deferred", "two-pass", "exact", "reference" };
+    static const char *const names[] = { "auto",  "deferred",  "two-pass",
+                                         "exact", "reference", "pyramid" };
     return names[method];
 }
 

@@ -36,6 +36,7 @@ enum plan_constant {
     PLAN_LAYERED,
     PLAN_FLOAT64,
     PLAN_SAMPLE_GRID,
+    PLAN_LANES,
     PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
@@ -57,6 +58,8 @@ enum plan_slot {
     PLAN_ENVIRONMENT,
     PLAN_ORDER,
     PLAN_WORK,
+    PLAN_OBJECTS,
+    PLAN_RIM,
     PLAN_LARGE,
     PLAN_KEYS,
     PLAN_SLOT_IDS,
@@ -74,12 +77,28 @@ enum plan_slot {
     PLAN_IMAGE_SUM,
     PLAN_IMAGE_SUM_DEPTH,
     PLAN_IMAGE_SUM_COLOR,
+    PLAN_IMAGE_PYRAMID,
+    PLAN_IMAGE_ATTRIBUTES,
+    PLAN_TEXEL_POINTS,
+    PLAN_TEXEL_RADII,
     PLAN_SLOTS
 };
 
+/* The descriptor binding of what has no address; 0 is the frame block. */
+#define PLAN_BINDING(slot) (1 + (slot)-PLAN_BUFFER_SLOTS)
+
 enum plan_lifetime { PLAN_SCENE, PLAN_TRANSIENT, PLAN_OUTPUT };
 
-enum plan_format { PLAN_BUFFER, PLAN_RG32UI, PLAN_RG32F, PLAN_RGBA32F, PLAN_D32F };
+enum plan_format {
+    PLAN_BUFFER,
+    PLAN_RG32UI,
+    PLAN_RG32F,
+    PLAN_RGBA32F,
+    PLAN_D32F,
+    PLAN_RGBA32UI,
+    PLAN_TEXELS_RGBA32UI, /* a buffer that is fetched as texels */
+    PLAN_TEXELS_R32F,
+};
 
 struct plan_resource {
     char name[24];
@@ -134,6 +153,31 @@ enum plan_shader {
     PLAN_SHADER_TWOPASS_RESOLVE,
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE,
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR,
+    PLAN_SHADER_PYRAMID_PROJECT,
+    PLAN_SHADER_PYRAMID_BLOCKS,
+    PLAN_SHADER_PYRAMID_RIM_FIND,
+    PLAN_SHADER_PYRAMID_RIM_SPLAT,
+    PLAN_SHADER_PYRAMID_GATHER, /* then with colours; then with ids and objects; so below */
+    PLAN_SHADER_PYRAMID_GATHER_COLOR,
+    PLAN_SHADER_PYRAMID_GATHER_ALL,
+    PLAN_SHADER_PYRAMID_PULL,
+    PLAN_SHADER_PYRAMID_PULL_COLOR,
+    PLAN_SHADER_PYRAMID_PULL_ALL,
+    PLAN_SHADER_PYRAMID_PUSH,
+    PLAN_SHADER_PYRAMID_PUSH_COLOR,
+    PLAN_SHADER_PYRAMID_PUSH_ALL,
+    PLAN_SHADER_PYRAMID_PUSH_LISTED,
+    PLAN_SHADER_PYRAMID_PUSH_LISTED_COLOR,
+    PLAN_SHADER_PYRAMID_PUSH_LISTED_ALL,
+    PLAN_SHADER_PYRAMID_SHADE,
+    PLAN_SHADER_PYRAMID_SHADE_COLOR,
+    PLAN_SHADER_PYRAMID_SHADE_ALL,
+    PLAN_SHADER_PYRAMID_RIM_NEAR,
+    PLAN_SHADER_PYRAMID_RIM_NEAR_COLOR,
+    PLAN_SHADER_PYRAMID_RIM_NEAR_ALL,
+    PLAN_SHADER_PYRAMID_RIM_SHADE,
+    PLAN_SHADER_PYRAMID_RIM_SHADE_COLOR,
+    PLAN_SHADER_PYRAMID_RIM_SHADE_ALL,
     PLAN_SHADER_EYE_DOME,
     PLAN_SHADER_BACKGROUND,
     PLAN_SHADER_RASTER_VERTEX,
@@ -182,6 +226,8 @@ struct plan_pass {
     uint32_t value;                    /* FILL */
     uint32_t offset;                   /* DISPATCH_INDIRECT: bytes into the work buffer */
     uint32_t groups;                   /* DISPATCH: workgroups; 0: one a block of the tile */
+    uint32_t level;                    /* pyramid: the level that is written */
+    bool of_grid;                      /* DISPATCH: one a block of that level of the tile's grid */
     bool repair;                       /* specialised with PLAN_REPAIR on */
     uint32_t layer, layer_count;       /* DRAW: of the attachments */
     uint32_t first_splat, splat_count; /* DRAW */
@@ -193,6 +239,13 @@ struct plan_pass {
 struct plan_tile {
     uint32_t x, y, width, height;
     uint32_t keep[4];
+};
+
+/* Pixels of the whole picture that a pyramid stands on; beyond the picture's edges too, whole
+ * blocks. */
+struct plan_grid {
+    int32_t x, y;
+    uint32_t width, height;
 };
 
 struct stp_plan {
@@ -220,6 +273,9 @@ struct stp_plan {
      * STP_WORK_REMAINING set; not at all when it was not. 0: none are. */
     uint32_t loop_first;
     uint32_t tile_width, tile_height; /* the largest */
+    uint32_t levels;                  /* of the pyramid; 0: no pyramid */
+    struct plan_grid grid;            /* of the whole picture */
+    bool rim_far;                     /* discs reach beyond the pixels beside their own */
     struct plan_tile *tile;
     double environment_axes[3][3]; /* world: right of the map's centre, up, its centre */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
@@ -254,6 +310,15 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
 void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
+
+/* plan/pyramid.c: what a pyramid of the plan's scene and view stands on, and what one tile's does.
+ * A pixel that the tile keeps has the same bits in both. */
+void plan_pyramid(struct stp_plan *plan);
+void plan_pyramid_resources(struct stp_plan *plan);
+void plan_pyramid_view(struct stp_plan *plan); /* levels, grid and constants; once a plan */
+struct plan_grid plan_tile_grid(const struct stp_plan *plan, const struct plan_tile *tile);
+/* Workgroups of a pass over one level of a grid. */
+uint32_t plan_level_blocks(const struct plan_grid *grid, uint32_t level);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);

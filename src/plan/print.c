@@ -4,8 +4,10 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-static const char *const format_names[] = { "buffer", "R32G32_UINT", "R32G32_SFLOAT",
-                                            "R32G32B32A32_SFLOAT", "D32_SFLOAT" };
+static const char *const format_names[] = { "buffer",        "R32G32_UINT",
+                                            "R32G32_SFLOAT", "R32G32B32A32_SFLOAT",
+                                            "D32_SFLOAT",    "R32G32B32A32_UINT",
+                                            "texels",        "texels" };
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {
@@ -13,7 +15,8 @@ static const char *const constant_names[PLAN_CONSTANTS] = {
     "cull_back",       "floor",       "orthographic", "color",      "objects",
     "unknown_normals", "head_light",  "local_viewer", "background", "aovs",
     "squarings",       "repair",      "slot_ids",     "atomic64",   "layered",
-    "float64",         "sample_grid", "opacity",      "mixed",      "optics",
+    "float64",         "sample_grid", "lanes",        "opacity",    "mixed",
+    "optics",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)

@@ -22,7 +22,10 @@ static unsigned texel_bytes(enum plan_format format)
     case PLAN_RG32F:
         return 8;
     case PLAN_RGBA32F:
+    case PLAN_RGBA32UI:
         return 16;
+    case PLAN_TEXELS_RGBA32UI:
+    case PLAN_TEXELS_R32F:
     case PLAN_BUFFER:
         break;
     }

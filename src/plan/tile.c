@@ -106,13 +106,17 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     plan->tile_width = width;
     plan->tile_height = height;
     plan->resource_count = plan->pass_count = plan->loop_first = 0;
-    scene_resources(plan);
+    bool pyramid = plan->method == STP_METHOD_PYRAMID;
+    if (pyramid)
+        plan_pyramid_resources(plan);
+    else
+        scene_resources(plan);
     outputs(plan);
     bool compute = plan->path == STP_PATH_COMPUTE;
-    if (compute) {
+    if (compute && !pyramid)
         compute_resources(plan);
+    if (compute)
         clear_outputs(plan);
-    }
     plan->repeat_first = plan->pass_count;
     if (compute)
         reset_arguments(plan);
@@ -120,6 +124,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         plan_deferred(plan);
     else if (plan->method == STP_METHOD_EXACT)
         plan_exact(plan);
+    else if (pyramid)
+        plan_pyramid(plan);
     else
         plan_twopass(plan);
     plan->repeat_end = plan->pass_count;
@@ -136,13 +142,21 @@ static uint64_t largest(const struct stp_plan *plan)
     return most;
 }
 
+/* A pyramid is wider than the tile it serves. */
+static bool images_fit(const struct stp_plan *plan)
+{
+    uint32_t most = plan->limits.max_image_size;
+    bool fit = plan->tile_width <= most && plan->tile_height <= most;
+    for (uint32_t i = 0; i < plan->resource_count; i++)
+        fit = fit && plan->resource[i].width <= most && plan->resource[i].height <= most;
+    return fit;
+}
+
 static bool fits(const struct stp_plan *plan, uint64_t limit)
 {
     uint64_t used = plan_bytes(plan, PLAN_TRANSIENT) + plan_bytes(plan, PLAN_OUTPUT);
     return used <= limit && largest(plan) <= plan->limits.max_allocation &&
-           (uint64_t)plan->tile_width * plan->tile_height <= MOST_PIXELS &&
-           plan->tile_width <= plan->limits.max_image_size &&
-           plan->tile_height <= plan->limits.max_image_size;
+           (uint64_t)plan->tile_width * plan->tile_height <= MOST_PIXELS && images_fit(plan);
 }
 
 static uint32_t cut(uint32_t length, uint32_t parts, uint32_t border)

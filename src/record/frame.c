@@ -19,35 +19,42 @@ static enum stp_result make_read_back(const struct stp_env *env, struct record_f
     return result;
 }
 
-/* Binding 0 is the frame block; an image of slot s, when the plan has it, is 1 + s - first image.
- */
-static uint32_t image_bindings(const struct stp_plan *plan, uint32_t binding[PLAN_SLOTS],
-                               uint8_t resource[PLAN_SLOTS])
+/* What is bound beside the frame block, whose binding is 0: images and texels. */
+struct bindings {
+    uint32_t count;
+    uint32_t binding[PLAN_SLOTS];
+    uint8_t resource[PLAN_SLOTS];
+    VkDescriptorType type[PLAN_SLOTS];
+};
+
+static struct bindings find_bindings(const struct stp_plan *plan)
 {
-    uint32_t count = 0;
-    for (uint32_t slot = PLAN_IMAGE_ID; slot < PLAN_SLOTS; slot++) {
+    struct bindings b = { 0 };
+    for (uint32_t slot = PLAN_BUFFER_SLOTS; slot < PLAN_SLOTS; slot++) {
         uint8_t found = plan_find(plan, slot);
         if (found == PLAN_NONE || slot == PLAN_IMAGE_DEPTH)
             continue;
-        resource[count] = found;
-        binding[count++] = 1 + slot - PLAN_IMAGE_ID;
+        b.resource[b.count] = found;
+        b.type[b.count] = pass_is_texels(plan->resource[found].format)
+                              ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
+                              : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
+        b.binding[b.count++] = PLAN_BINDING(slot);
     }
-    return count;
+    return b;
 }
 
-static VkResult make_layouts(struct stp_context *c, struct record_pipelines *p, uint32_t images,
-                             const uint32_t *binding, bool hosted)
+static VkResult make_layouts(struct stp_context *c, struct record_pipelines *p,
+                             const struct bindings *b, bool hosted)
 {
     VkDescriptorSetLayoutBinding bindings[1 + PLAN_SLOTS] = {
         { 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, PASS_PUSH_STAGES, NULL }
     };
-    for (uint32_t i = 0; i < images; i++)
+    for (uint32_t i = 0; i < b->count; i++)
         bindings[1 + i] =
-            (VkDescriptorSetLayoutBinding){ binding[i], VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, 1,
-                                            PASS_PUSH_STAGES, NULL };
+            (VkDescriptorSetLayoutBinding){ b->binding[i], b->type[i], 1, PASS_PUSH_STAGES, NULL };
     VkDescriptorSetLayoutCreateInfo set = { .sType =
                                                 VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                            .bindingCount = 1 + images,
+                                            .bindingCount = 1 + b->count,
                                             .pBindings = bindings };
     VkResult result = c->vk.vkCreateDescriptorSetLayout(c->device, &set, NULL, &p->set_layout);
     if (result != VK_SUCCESS)
@@ -62,14 +69,15 @@ static VkResult make_layouts(struct stp_context *c, struct record_pipelines *p, 
     return c->vk.vkCreatePipelineLayout(c->device, &layout, NULL, &p->layout);
 }
 
-static VkResult make_set(struct record_frame *frame, uint32_t images)
+static VkResult make_set(struct record_frame *frame, const struct bindings *b)
 {
     struct stp_context *c = frame->context;
-    VkDescriptorPoolSize sizes[] = { { VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1 },
-                                     { VK_DESCRIPTOR_TYPE_STORAGE_IMAGE, images } };
+    VkDescriptorPoolSize sizes[1 + PLAN_SLOTS] = { { VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1 } };
+    for (uint32_t i = 0; i < b->count; i++)
+        sizes[1 + i] = (VkDescriptorPoolSize){ b->type[i], 1 };
     VkDescriptorPoolCreateInfo pool = { .sType = VK_STRUCTURE_TYPE_DESCRIPTOR_POOL_CREATE_INFO,
                                         .maxSets = 1,
-                                        .poolSizeCount = images ? 2 : 1,
+                                        .poolSizeCount = 1 + b->count,
                                         .pPoolSizes = sizes };
     VkResult result = c->vk.vkCreateDescriptorPool(c->device, &pool, NULL, &frame->resources.pool);
     if (result != VK_SUCCESS)
@@ -81,8 +89,7 @@ static VkResult make_set(struct record_frame *frame, uint32_t images)
     return c->vk.vkAllocateDescriptorSets(c->device, &set, &frame->resources.set);
 }
 
-static void write_set(struct record_frame *frame, uint32_t images, const uint32_t *binding,
-                      const uint8_t *resource)
+static void write_set(struct record_frame *frame, const struct bindings *b)
 {
     struct stp_context *c = frame->context;
     VkDescriptorBufferInfo buffer = { frame->resources.constants.handle, 0,
@@ -95,28 +102,28 @@ static void write_set(struct record_frame *frame, uint32_t images, const uint32_
           .descriptorType = VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER,
           .pBufferInfo = &buffer }
     };
-    for (uint32_t i = 0; i < images; i++) {
-        image[i] = (VkDescriptorImageInfo){ .imageView = frame->resources.image[resource[i]].all,
+    for (uint32_t i = 0; i < b->count; i++) {
+        uint8_t r = b->resource[i];
+        image[i] = (VkDescriptorImageInfo){ .imageView = frame->resources.image[r].all,
                                             .imageLayout = VK_IMAGE_LAYOUT_GENERAL };
         writes[1 + i] = (VkWriteDescriptorSet){ .sType = VK_STRUCTURE_TYPE_WRITE_DESCRIPTOR_SET,
                                                 .dstSet = frame->resources.set,
-                                                .dstBinding = binding[i],
+                                                .dstBinding = b->binding[i],
                                                 .descriptorCount = 1,
-                                                .descriptorType = VK_DESCRIPTOR_TYPE_STORAGE_IMAGE,
-                                                .pImageInfo = &image[i] };
+                                                .descriptorType = b->type[i],
+                                                .pImageInfo = &image[i],
+                                                .pTexelBufferView = &frame->resources.texels[r] };
     }
-    c->vk.vkUpdateDescriptorSets(c->device, 1 + images, writes, 0, NULL);
+    c->vk.vkUpdateDescriptorSets(c->device, 1 + b->count, writes, 0, NULL);
 }
 
 static enum stp_result make_descriptors(const struct stp_env *env, struct record_frame *frame)
 {
-    uint32_t binding[PLAN_SLOTS];
-    uint8_t resource[PLAN_SLOTS];
-    uint32_t images = image_bindings(frame->plan, binding, resource);
-    VkResult result = make_set(frame, images);
+    struct bindings bindings = find_bindings(frame->plan);
+    VkResult result = make_set(frame, &bindings);
     if (result != VK_SUCCESS)
         return gpu_error(env, result, "making descriptor sets");
-    write_set(frame, images, binding, resource);
+    write_set(frame, &bindings);
     return STP_OK;
 }
 
@@ -162,15 +169,13 @@ static enum stp_result compile(const struct stp_env *env, struct record_frame *f
 static enum stp_result make_pipelines(const struct stp_env *env, struct record_frame *frame,
                                       const struct record_host *host)
 {
-    uint32_t binding[PLAN_SLOTS];
-    uint8_t resource[PLAN_SLOTS];
-    uint32_t images = image_bindings(frame->plan, binding, resource);
+    struct bindings bindings = find_bindings(frame->plan);
     struct record_pipelines *p = mem_zalloc(1, sizeof *p);
     if (!p)
         return log_no_memory(env, sizeof *p, "pipelines");
     p->users = 1;
     frame->pipelines = p;
-    VkResult status = make_layouts(frame->context, p, images, binding, host != NULL);
+    VkResult status = make_layouts(frame->context, p, &bindings, host != NULL);
     if (status != VK_SUCCESS)
         return gpu_error(env, status, "making pipeline layouts");
     frame->resources.layout = p->layout;

@@ -13,6 +13,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_context
         return log_error(env, STP_ERROR_ARGUMENT, "residents need an imported context");
     if (plan->method == STP_METHOD_REFERENCE)
         return log_error(env, STP_ERROR_ARGUMENT, "method reference draws on no device");
+    if (plan->method == STP_METHOD_PYRAMID)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method pyramid is not drawn into a host's frame; use exact or deferred");
     if (!scene->prepared || scene->splats.count != plan->facts.splats)
         return log_error(env, STP_ERROR_ARGUMENT, "the plan was made for another scene");
     if (params->splats && params->splats_offset % 16)

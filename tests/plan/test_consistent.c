@@ -5,7 +5,7 @@
 /* Passes may append to these before anything has written them: counters say what is there. */
 static bool appended(const struct stp_plan *plan, enum plan_slot slot)
 {
-    return slot == PLAN_LARGE || slot == PLAN_SLOT_IDS ||
+    return slot == PLAN_LARGE || slot == PLAN_SLOT_IDS || slot == PLAN_RIM ||
            (slot == PLAN_KEYS && plan->method == STP_METHOD_EXACT);
 }
 
@@ -141,6 +141,8 @@ static void random_inputs(struct inputs *in, uint32_t *seed)
                                              .background = DICE(2) ? background : NULL,
                                              .mask_features = DICE(2) ? DICE(32) : 0,
                                              .memory_limit = DICE(2) ? 1u << (17 + DICE(6)) : 0 };
+    if (DICE(5) == 0)
+        in->params.method = STP_METHOD_PYRAMID;
     in->limits.processor = 1 + DICE(2);
 #undef DICE
 }

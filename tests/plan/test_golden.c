@@ -130,6 +130,19 @@ static void test_layers(void **state)
     expect_golden(&in, "layers_mixed_samples");
 }
 
+static void test_pyramid(void **state)
+{
+    struct inputs in = plain_inputs();
+    in.params.method = STP_METHOD_PYRAMID;
+    expect_golden(&in, "pyramid");
+    in = plain_inputs();
+    color_inputs(&in);
+    in.params.method = STP_METHOD_PYRAMID;
+    in.params.aovs = 127;
+    in.params.samples = 4;
+    expect_golden(&in, "pyramid_colored_aovs");
+}
+
 static void test_reference(void **state)
 {
     struct inputs in = plain_inputs();
@@ -151,6 +164,7 @@ int main(void)
         cmocka_unit_test(test_two_pass),
         cmocka_unit_test(test_tiled_eye_dome_background),
         cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_pyramid),
         cmocka_unit_test(test_reference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,0 +1,53 @@
+// Discs of level 0 as they are, round about pixels that the push left empty. Needs lib/pyramid.glsl.
+
+// As far as pixels beside a point's own are looked at from the pixel: the centre of a disc that reaches
+// a sample from so near is in one of the eight round it.
+const float NEAR_REACH = 1.5;
+
+// Pixels by which the disc is widened. Where discs are small on the screen, seen flat above all, several
+// points fall into a pixel and one stands for all: its disc has to reach where theirs would. An area of
+// 16 pixels is what a point has when one pixel in four holds one, at the usual radius (spacing).
+float disc_crowd(Texel t)
+{
+    float scale = ORTHOGRAPHIC ? 1 : 1 / t.depth, facing = abs(t.normal.z);
+    if (!ORTHOGRAPHIC) {
+        vec2 inverse = vec2(frame.inv_focal[0], frame.inv_focal[1]);
+        vec3 ray = vec3((t.center - vec2(frame.center[0], frame.center[1])) * inverse, 1);
+        facing = abs(dot(t.normal, ray)) * inversesqrt(dot(ray, ray));
+    }
+    float r = t.radius * scale, area = 3.14159 * r * r * frame.focal[0] * frame.focal[1] * facing;
+    return 0.6 * clamp((16 - area) / 12, 0, 1);
+}
+
+// Of the picture's sample in pixel p of the grid.
+vec2 rim_position(uvec2 p)
+{
+    ivec2 pixel = ivec2(p) + ivec2(frame.grid_x, frame.grid_y);
+    return vec2(pixel) + (sample_part(uvec2(pixel)) - sample_shift());
+}
+
+// How far from its centre the disc reaches on the screen, at most; pixels.
+vec2 disc_reach(Texel t)
+{
+    vec2 focal = vec2(frame.focal[0], frame.focal[1]);
+    float nearest = ORTHOGRAPHIC ? 1 : max(t.depth - t.radius, 0.5 * t.depth);
+    return max(t.radius * focal / nearest, vec2(frame.pyramid_floor)) + disc_crowd(t);
+}
+
+// Pixels of the grid that it may touch, STP_RIM_REACH from its centre at most.
+ivec4 disc_box(Texel t, vec2 reach)
+{
+    vec2 at = t.center - vec2(frame.grid_x, frame.grid_y), r = min(reach + 0.5, vec2(STP_RIM_REACH));
+    vec2 last = vec2(frame.grid_width, frame.grid_height) - 1;
+    return ivec4(clamp(floor(at - r), vec2(0), last), clamp(floor(at + r), vec2(0), last));
+}
+
+// The disc at an empty pixel; `crowd`: it stands for others of its pixel, whose centres may lie so much
+// nearer.
+bool rim_hit(Texel t, float crowd, vec2 q, out float depth)
+{
+    vec2 d = t.center - q;
+    float away = length(d);
+    bool hit = disc_hit(t, q + d * (min(crowd, away) / max(away, 1e-6)), depth);
+    return hit && depth >= frame.near_depth && depth <= frame.far_depth;
+}

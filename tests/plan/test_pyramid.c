@@ -1,0 +1,116 @@
+/* A pyramid has the levels, images and passes that its view and scene need, and no other plan has
+ * any of it. */
+#include "plans.h"
+
+static struct inputs pyramid_inputs(void)
+{
+    struct inputs in = plain_inputs();
+    in.params.method = STP_METHOD_PYRAMID;
+    in.params.min_splat = -1;
+    return in;
+}
+
+/* A splat of d pixels at the scene's depth takes ceil(log2 d) + 1 levels; blocks need four. */
+static void test_levels(void **state)
+{
+    static const struct {
+        double diameter;
+        uint32_t levels;
+        bool far;
+    } cases[] = { { 0.5, 4, false }, { 1.7, 4, false }, { 2.5, 4, true },  { 7.9, 4, true },
+                  { 8.1, 5, true },  { 100, 8, true },  { 5000, 11, true } };
+    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct inputs in = pyramid_inputs();
+        in.camera = plain_camera(1000, 700, 500); /* the nearest point is at depth 3 */
+        in.scene->facts.radius_max = (float)(cases[i].diameter / 2 * 3 / 500);
+        struct stp_plan *plan = plan_of(&in);
+        assert_int_equal(plan->levels, cases[i].levels);
+        assert_int_equal(pass_named(plan, "rim find") != NULL, cases[i].far);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
+static void test_only_what_is_needed(void **state)
+{
+    struct inputs in = pyramid_inputs();
+    struct stp_plan *plan = plan_of(&in);
+    assert_null(resource_named(plan, "attributes"));
+    assert_null(resource_named(plan, "splats"));
+    assert_null(resource_named(plan, "objects"));
+    assert_int_equal(resource_named(plan, "points")->bytes, 100 * 16);
+    uint64_t plain = resource_named(plan, "pyramid")->bytes;
+    stp_plan_destroy(&plan);
+    color_inputs(&in);
+    plan = plan_of(&in);
+    assert_int_equal(resource_named(plan, "attributes")->bytes, plain / 2);
+    stp_plan_destroy(&plan);
+    in.params.aovs = STP_AOV_ID;
+    in.scene->facts.objects = 2;
+    plan = plan_of(&in);
+    assert_int_equal(resource_named(plan, "attributes")->bytes, plain);
+    assert_non_null(resource_named(plan, "objects"));
+    stp_plan_destroy(&plan);
+    in.params.method = STP_METHOD_EXACT;
+    plan = plan_of(&in);
+    assert_null(resource_named(plan, "pyramid"));
+    assert_int_equal(plan->levels, 0);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+/* The grid is the part of the picture, and a little round it, that the scene can touch. */
+static void test_grid(void **state)
+{
+    struct inputs in = pyramid_inputs();
+    in.camera = plain_camera(1000, 700, 300); /* 0.9 wide at depth 3: 90 pixels, and discs of 10 */
+    struct stp_plan *plan = plan_of(&in);
+    assert_true(plan->grid.width >= 110 && plan->grid.width <= 136);
+    assert_true(plan->grid.height >= 110 && plan->grid.height <= 136);
+    assert_true(plan->grid.x <= 490 && plan->grid.x % STP_BLOCK == 0);
+    stp_plan_destroy(&plan);
+    in.camera.far_depth = INFINITY;
+    in.camera.world_to_camera[11] = -100; /* the scene is far away, then behind the eye */
+    plan = plan_of(&in);
+    assert_true(plan->grid.width <= 24);
+    stp_plan_destroy(&plan);
+    in.camera.world_to_camera[11] = 100;
+    plan = plan_of(&in);
+    assert_true(plan->grid.width > 0 && plan->grid.height > 0);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+/* Every texel that a kept pixel is made from lies in its tile's grid, or in no grid at all. */
+static void test_tile_grids(void **state)
+{
+    struct inputs in = pyramid_inputs();
+    in.camera = plain_camera(900, 700, 2500);
+    in.params.memory_limit = 12 << 20;
+    struct stp_plan *plan = plan_of(&in);
+    assert_true(plan->tile_count > 1);
+    int32_t reach = 1 << plan->levels;
+    for (uint32_t i = 0; i < plan->tile_count; i++) {
+        const struct plan_tile *t = &plan->tile[i];
+        struct plan_grid g = plan_tile_grid(plan, t), all = plan->grid;
+        assert_true(g.x <= (int32_t)t->x - reach || g.x == all.x);
+        assert_true(g.y <= (int32_t)t->y - reach || g.y == all.y);
+        assert_true(g.x + (int32_t)g.width >= (int32_t)(t->x + t->width) + reach ||
+                    g.x + g.width == all.x + all.width);
+        const struct plan_resource *keys = resource_named(plan, "keys");
+        assert_true((uint64_t)g.width * g.height * 8 <= keys->bytes);
+    }
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_levels),
+        cmocka_unit_test(test_only_what_is_needed),
+        cmocka_unit_test(test_grid),
+        cmocka_unit_test(test_tile_grids),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
