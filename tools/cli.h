@@ -68,7 +68,7 @@ struct settings {
     uint32_t first_frame, last_frame;
     double exposure, least_psnr;
     unsigned repeat, threads, rounds;
-    bool half, quick, json, quiet, verbose, with_groups;
+    bool half, quick, json, quiet, verbose, with_groups, calibrate;
 };
 
 /* --- options.c: the one table, and its parser --------------------------------------------- */
@@ -193,9 +193,11 @@ bool camera_usage_right(const struct settings *settings);
 int find_camera(struct console *console, const struct settings *settings,
                 const struct stp_scene *scene, uint32_t frame, struct stp_camera *camera,
                 uint32_t *count);
-/* Groups the scene when the plan will want it. */
-int group_if_needed(struct console *console, const struct settings *settings,
-                    struct stp_scene *scene, const struct stp_limits *limits);
+/* Decides what the settings leave to auto, and groups the scene where that wants it. choice->params
+ * is what to plan with. */
+int choose_way(struct console *console, const struct settings *settings, struct stp_scene *scene,
+               const struct stp_camera *camera, const struct stp_limits *limits,
+               struct stp_choice *choice);
 
 /* --- context.c: making a context takes long enough to be worth a thread beside loading -------- */
 

@@ -41,26 +41,15 @@ static void print_device(const struct stp_device_info *device)
 /* The profile that `stipple plan --limits` reads, and what was found out beside it. */
 static int print_profile(struct console *console, const struct stp_device_info *device)
 {
-    const struct stp_limits *limits = &device->limits;
+    char *profile = stp_limits_print(&device->limits);
     struct json_out building = { 0 }, *out = &building;
-    cJSON *json = json_begin(out, cJSON_CreateObject());
-    json_text(out, json, "device", limits->device);
-    json_text(out, json, "driver", limits->driver);
-    cJSON *features = json_array(out, json, "features");
-    for (unsigned bit = 1; stp_feature_name((enum stp_feature)bit); bit *= 2)
-        if (limits->features & bit)
-            json_text(out, features, NULL, stp_feature_name((enum stp_feature)bit));
-    json_number(out, json, "heap_bytes", (double)limits->heap_bytes);
-    json_number(out, json, "max_allocation", (double)limits->max_allocation);
-    json_number(out, json, "max_image_size", limits->max_image_size);
-    json_number(out, json, "max_image_layers", limits->max_image_layers);
-    json_number(out, json, "max_workgroups", limits->max_workgroups);
-    json_number(out, json, "processor", limits->processor);
+    cJSON *json = json_begin(out, profile ? cJSON_Parse(profile) : NULL);
     json_text(out, json, "api_version", device->api_version);
     json_bool(out, json, "usable", device->usable);
     json_text(out, json, "lacks", device->lacks);
     int status = json_print(console, out, json);
     cJSON_Delete(json);
+    free(profile);
     return status;
 }
 
@@ -74,8 +63,7 @@ static unsigned select_devices(struct stp_device_info *devices, unsigned count, 
     return kept;
 }
 
-static const struct stp_device_info *first_usable(const struct stp_device_info *devices,
-                                                  unsigned count)
+static struct stp_device_info *first_usable(struct stp_device_info *devices, unsigned count)
 {
     for (unsigned i = 0; i < count; i++)
         if (devices[i].usable)
@@ -91,6 +79,34 @@ static int print_devices(const struct stp_device_info *devices, unsigned count)
         print_device(&devices[i]);
     }
     return EXIT_DONE;
+}
+
+/* The prices of this device: from the cache, or measured where that is asked for. */
+static enum stp_result calibrate(struct console *console, const struct settings *settings,
+                                 struct stp_device_info *device)
+{
+    struct stp_context_params params = { .device = device->limits.device };
+    struct stp_calibrate_params how = { .again = settings->calibrate,
+                                        .only_cached = !settings->calibrate };
+    struct stp_context *context = NULL;
+    if (!device->usable)
+        return STP_OK;
+    enum stp_result result = stp_context_create(&console->env, &params, &context);
+    if (result == STP_OK)
+        result = stp_calibrate(&console->env, context, &how);
+    if (result == STP_OK)
+        device->limits.calibration = stp_context_limits(context)->calibration;
+    stp_context_destroy(&context);
+    return result;
+}
+
+static int show(struct console *console, const struct settings *settings,
+                struct stp_device_info *devices, unsigned count)
+{
+    struct stp_device_info *first = first_usable(devices, count);
+    if ((settings->json || settings->calibrate) && calibrate(console, settings, first) != STP_OK)
+        return EXIT_FAILED;
+    return settings->json ? print_profile(console, first) : print_devices(devices, count);
 }
 
 int run_devices(struct settings *settings)
@@ -112,10 +128,8 @@ int run_devices(struct settings *settings)
         console_error(&console,
                       "no Vulkan device%s%s; mesa-vulkan-drivers brings one that needs no GPU",
                       part ? " whose name holds " : "", part ? part : "");
-    else if (result == STP_OK && settings->json)
-        status = print_profile(&console, first_usable(devices, count));
     else if (result == STP_OK)
-        status = print_devices(devices, count);
+        status = show(&console, settings, devices, count);
     console_close(&console);
     free(devices);
     return status;

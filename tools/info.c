@@ -99,9 +99,10 @@ static int find_intent(struct console *console, const struct settings *settings,
     struct stp_plan_summary summary;
     suggest(path, intent);
     stp_limits_lavapipe(&limits);
-    if (group_if_needed(console, settings, scene, &limits) != EXIT_DONE ||
-        find_camera(console, settings, scene, 0, &camera, NULL) != EXIT_DONE ||
-        stp_plan_create(&console->env, scene, &camera, &settings->render, &limits, &plan) != STP_OK)
+    struct stp_choice choice;
+    if (find_camera(console, settings, scene, 0, &camera, NULL) != EXIT_DONE ||
+        choose_way(console, settings, scene, &camera, &limits, &choice) != EXIT_DONE ||
+        stp_plan_create(&console->env, scene, &camera, &choice.params, &limits, &plan) != STP_OK)
         return EXIT_FAILED;
     stp_plan_summarize(plan, &summary);
     snprintf(intent->method, sizeof intent->method, "%s", stp_method_name(summary.method));

@@ -207,7 +207,7 @@ const struct option_spec option_table[] = {
       "deferred: groups blended in one pass; two-pass: visibility, then blending; exact: every "
       "fragment kept and resolved; pyramid: one pixel a point, then pull and push, for clouds of "
       "many millions; reference: float64 on the CPU, slow, needs no Vulkan (default: "
-      "auto, exact where the device has what it needs, else deferred)",
+      "auto, the fastest within --max-error)",
       value_choice, AT(render.method), NULL, 0, 0, NULL },
     { NULL, PICTURE, "transparency", 0, "auto|fast|nearest|peel|exact|reference",
       "how layers behind each other are composited where something is transparent. exact: every "
@@ -217,6 +217,11 @@ const struct option_spec option_table[] = {
     { NULL, PICTURE, "peel-layers", 0, "K",
       "peel: at most K layers, the nearest ones (default: 8)",
       value_count, AT(render.peel_layers), "a whole number from 1 to 1000", 1, 1000, NULL },
+    { NULL, PICTURE, "max-error", 0, "E",
+      "the most mean absolute error of linear RGB, over covered pixels and against the reference: "
+      "auto takes the fastest way that keeps to it, from prices that were measured on the device, "
+      "and may group the scene (default: 1e-4, without groups)",
+      value_real, AT(render.max_error), "a number above 0", ABOVE_0, NULL },
     { NULL, PICTURE, "path", 0, "auto|raster|compute",
       "the device's rasteriser, or compute shaders (default: auto)",
       value_choice, AT(render.path), NULL, 0, 0, NULL },
@@ -254,6 +259,10 @@ const struct option_spec option_table[] = {
       "plan for this device, a profile that `stipple devices --json` printed (default: a "
       "built-in profile of Mesa's software device)",
       value_text, AT(limits), "the name of a file", 0, 0, NULL },
+    { NULL, RENDER | DEVICES, "calibrate", 0, NULL,
+      "measure the device's prices for auto again, and keep them (default: when --max-error is "
+      "first used on the device)",
+      value_flag, AT(calibrate), NULL, 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
       "float64, storage-formats; may be repeated (default: none)",

@@ -140,13 +140,14 @@ static int render_frame(struct run *run, struct frame *frame)
         stp_limits_lavapipe(&none); /* the reference plans without a device */
     const struct stp_limits *limits = run->limits ? run->limits : &none;
     double start = seconds_now();
-    int status = group_if_needed(&run->console, settings, run->scene, limits);
+    struct stp_choice choice;
+    int status = choose_way(&run->console, settings, run->scene, &frame->camera, limits, &choice);
     run->times.prepare += ms_since(start);
     if (status != EXIT_DONE)
         return status;
     const struct stp_env *env = &run->console.env;
     enum stp_result result =
-        stp_plan_create(env, run->scene, &frame->camera, &settings->render, limits, &frame->plan);
+        stp_plan_create(env, run->scene, &frame->camera, &choice.params, limits, &frame->plan);
     if (result == STP_OK)
         result = stp_render(env, run->job.context, run->scene, frame->plan, settings->repeat,
                             &frame->image, &frame->stats);
@@ -225,6 +226,18 @@ static int write_stats(struct run *run)
     return done ? EXIT_DONE : EXIT_FAILED;
 }
 
+/* Only who asks for a bound waits for measurements. */
+static int calibrate(struct run *run)
+{
+    const struct settings *settings = run->settings;
+    struct stp_calibrate_params params = {
+        .again = settings->calibrate,
+        .only_cached = !settings->calibrate && !(settings->render.max_error > 0),
+    };
+    enum stp_result result = stp_calibrate(&run->console.env, run->job.context, &params);
+    return result == STP_OK ? EXIT_DONE : EXIT_FAILED;
+}
+
 static int render_all(struct run *run)
 {
     int status = check_outputs(run);
@@ -238,6 +251,8 @@ static int render_all(struct run *run)
                               &run->times);
     if (status == EXIT_DONE && run->settings->render.method != STP_METHOD_REFERENCE)
         status = context_finish(&run->job, &run->limits);
+    if (status == EXIT_DONE && run->limits)
+        status = calibrate(run);
     for (uint32_t i = run->settings->first_frame;
          status == EXIT_DONE && i <= run->settings->last_frame; i++)
         status = do_frame(run, i);

@@ -79,6 +79,7 @@ static int sweep(struct job *job)
 static int report_all(struct job *job)
 {
     const struct settings *settings = job->settings;
+    const struct stp_calibrate_params cached = { .only_cached = true };
     const struct stp_limits *limits;
     bool made;
     int status = make_folder(&job->console, settings->output, &made);
@@ -88,6 +89,9 @@ static int report_all(struct job *job)
     status = load_and_prepare(&job->console, settings, settings->files[0], &job->scene, NULL);
     if (status == EXIT_DONE)
         status = context_finish(&job->context, &limits);
+    if (status == EXIT_DONE &&
+        stp_calibrate(&job->console.env, job->context.context, &cached) != STP_OK)
+        status = EXIT_FAILED;
     if (status == EXIT_DONE)
         status = sweep(job);
     if (status != EXIT_DONE && made)

@@ -116,8 +116,8 @@ int find_camera(struct console *console, const struct settings *settings,
     return exit_of_input(frame_scene(settings, scene, camera));
 }
 
-int group_if_needed(struct console *console, const struct settings *settings,
-                    struct stp_scene *scene, const struct stp_limits *limits)
+static int group_if_needed(struct console *console, const struct settings *settings,
+                           struct stp_scene *scene, const struct stp_limits *limits)
 {
     const struct stp_facts *facts = stp_scene_facts(scene);
     if (facts->grouping.groups || !stp_plan_needs_groups(facts, &settings->render, limits))
@@ -125,4 +125,18 @@ int group_if_needed(struct console *console, const struct settings *settings,
     if (stp_scene_group(&console->env, scene, &settings->group) == STP_OK)
         return EXIT_DONE;
     return EXIT_FAILED;
+}
+
+int choose_way(struct console *console, const struct settings *settings, struct stp_scene *scene,
+               const struct stp_camera *camera, const struct stp_limits *limits,
+               struct stp_choice *choice)
+{
+    const struct stp_render_params *render = &settings->render;
+    bool open = render->method == STP_METHOD_AUTO || render->max_error > 0;
+    *choice = (struct stp_choice){ .params = *render, .met = true };
+    if (open && render->method != STP_METHOD_REFERENCE &&
+        stp_choose(&console->env, scene, camera, &settings->group, render, limits, choice) !=
+            STP_OK)
+        return EXIT_FAILED;
+    return choice->count ? EXIT_DONE : group_if_needed(console, settings, scene, limits);
 }

@@ -1,5 +1,6 @@
 /* What --stats writes. */
 #include <cjson/cJSON.h>
+#include <math.h>
 #include <stdlib.h>
 #include <sys/resource.h>
 
@@ -82,7 +83,8 @@ void stats_add(struct json_out *out, cJSON *list, const struct stp_limits *limit
     json_text(out, stats, "driver", limits ? limits->driver : "none");
     json_number(out, stats, "points", (double)facts->points);
     json_number(out, stats, "splats", (double)facts->splats);
-    json_number(out, stats, "splats_drawn", (double)render->splats_drawn);
+    json_number(out, stats, "splats_drawn",
+                render->splats_drawn ? (double)render->splats_drawn : NAN); /* null */
     add_grouping(out, stats, &facts->grouping);
     json_text(out, stats, "method", stp_method_name(summary.method));
     json_text(out, stats, "path", stp_path_name(summary.path));

@@ -27,7 +27,7 @@ void ray_layer(inout Ray ray, uvec2 p, Surface s, float alpha)
     ray.color += ray.through * alpha * ray.tint * look.color;
     if ((OPTICS & STP_OPTICS_ABSORBS) != 0 &&
         ((OPTICS & STP_OPTICS_MULTI) != 0 || ray.layers == 1))
-        ray.tint *= exp(-frame.optics.v[surface_object(true, s)].absorption);
+        ray.tint *= exp(-frame.optics.v[object_of_surface(true, s)].absorption);
     ray.alpha = alpha == 1 ? 1 : min(ray.alpha + ray.through * alpha, 1);
     ray.through *= 1 - alpha;
 }
@@ -38,7 +38,7 @@ void ray_write(Ray ray, uvec2 p)
     // A first layer that is opaque ended the ray.
     bool clear = ray.layers > 1 || ray.through > 0;
     if ((OPTICS & STP_OPTICS_GLASS) != 0 && ray.layers > 0 && clear) {
-        OpticsData o = frame.optics.v[surface_object(true, ray.surface)];
+        OpticsData o = frame.optics.v[object_of_surface(true, ray.surface)];
         vec3 d = ray_direction(pixel_position(p));
         if (o.level >= 0)
             color = vec4(surface_glass(o, ray.color, ray.through * ray.tint, ray.first.normal, d,

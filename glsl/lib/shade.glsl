@@ -78,7 +78,7 @@ struct Look {
     vec3 albedo;
 };
 
-uint surface_object(bool hit, Surface s)
+uint object_of_surface(bool hit, Surface s)
 {
     if (!HAS_OBJECTS)
         return 0;
@@ -91,7 +91,7 @@ Look surface_look(uvec2 p, bool hit, Surface s)
     bool vanished = !(s.weight >= 1e-6 && dot(s.normal, s.normal) >= 1e-12);
     look.normal = vanished ? s.near_normal : s.normal * inversesqrt(dot(s.normal, s.normal));
     look.depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
-    MaterialData m = frame.materials.v[surface_object(hit, s)];
+    MaterialData m = frame.materials.v[object_of_surface(hit, s)];
     look.albedo = m.albedo;
     if (HAS_COLOR)
         look.albedo = vanished ? frame.colors.v[hit ? splat_known(s.id) : 0] : s.albedo / s.weight;
@@ -103,7 +103,7 @@ Look surface_look(uvec2 p, bool hit, Surface s)
 void surface_meet(inout Look look, uvec2 p, bool hit, Surface s)
 {
     if ((OPTICS & STP_OPTICS_SURFACE) != 0)
-        look.color = surface_mirrors(frame.optics.v[surface_object(hit, s)], look.color, look.normal,
+        look.color = surface_mirrors(frame.optics.v[object_of_surface(hit, s)], look.color, look.normal,
                                      ray_direction(pixel_position(p)));
 }
 

@@ -71,6 +71,13 @@ enum stp_feature {
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);
 
+/* What is expected of a frame; all 0: nothing was predicted. */
+struct stp_prediction {
+    double bound;        /* of the error: what was asked for */
+    double milliseconds; /* of a warm frame, record to fence */
+    double error;        /* mean absolute error of linear RGB over covered pixels, at most */
+};
+
 struct stp_render_params {
     enum stp_method method;
     enum stp_transparency transparency;
@@ -91,6 +98,19 @@ struct stp_render_params {
     bool local_viewer;       /* half vectors from the point, not the axis */
     unsigned mask_features;  /* enum stp_feature, or-ed */
     uint64_t memory_limit;   /* bytes of transients and outputs; 0: the device's */
+    double max_error;        /* stp_choose: the most mean absolute error of linear RGB over covered
+                                pixels, against the reference; 0: STP_DEFAULT_MAX_ERROR */
+    struct stp_prediction prediction; /* of stp_choose, for the plan's sentence */
+};
+#define STP_DEFAULT_MAX_ERROR 1e-4
+
+/* Prices of what a frame is made of, in nanoseconds: a kind of method a row (docs/auto.md). A row
+ * of zeros: nothing is known of that kind. */
+#define STP_COST_KINDS 32
+#define STP_COST_TERMS 12
+struct stp_calibration {
+    bool measured; /* on the device itself; false: built in */
+    double ns[STP_COST_KINDS][STP_COST_TERMS];
 };
 
 /* What a device can do: hand-filled in tests, read from a profile or from a device. */
@@ -102,14 +122,56 @@ struct stp_limits {
     uint32_t max_image_size, max_image_layers;
     uint32_t max_workgroups; /* along x */
     uint32_t processor;      /* 1: a CPU device, 2: a GPU */
+    struct stp_calibration calibration;
 };
 /* Mesa 22.3 lavapipe on two cores: what plans are made for when there is no device. */
 STP_API void stp_limits_lavapipe(struct stp_limits *limits);
 /* A profile that `stipple devices --json` wrote. */
 STP_API enum stp_result stp_limits_load(const struct stp_env *env, const char *path,
                                         struct stp_limits *limits);
+/* The profile as JSON, calibration and all. Free with free(). NULL: out of memory. */
+STP_API char *stp_limits_print(const struct stp_limits *limits);
 
 struct stp_plan;
+
+/* What stp_choose looked at, the cheapest first. */
+enum stp_verdict {
+    STP_VERDICT_COSTLY = 0, /* meets the bound, or was not judged: another was cheaper */
+    STP_VERDICT_CHOSEN,
+    STP_VERDICT_INEXACT, /* its error is beyond the bound */
+};
+struct stp_considered {
+    enum stp_method method;
+    enum stp_path path;
+    enum stp_payload payload;
+    enum stp_voronoi voronoi;
+    double overlap;      /* 0: needs no groups */
+    unsigned groups;     /* that the price was made for */
+    double milliseconds; /* predicted */
+    double error;        /* estimated, at most; NaN: not judged */
+    enum stp_verdict verdict;
+};
+#define STP_MAX_CONSIDERED 64
+struct stp_choice {
+    struct stp_render_params params; /* as asked, with method, path, payload, voronoi and
+                                        prediction filled in: what to plan with */
+    bool met;                        /* false: nothing meets the bound, this is the most exact */
+    unsigned count;
+    struct stp_considered considered[STP_MAX_CONSIDERED];
+};
+
+/* Decides what params leave open (STP_*_AUTO, and the overlap where group->overlap is 0): the way
+ * to render this view that a model of cost, calibrated on the device, predicts to be the fastest of
+ * those whose error is within params->max_error. The error is measured: a sample of the picture's
+ * pixels is resolved on the CPU as each method would. Where max_error is 0, methods that need
+ * groups are left out unless asked for: finding groups costs more than a picture. The scene is
+ * grouped as the choice wants, and may be regrouped. Deterministic for one profile. Where nothing
+ * applies the params come back as they were, and stp_plan_create says why. */
+STP_API enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
+                                   const struct stp_camera *camera,
+                                   const struct stp_group_params *group,
+                                   const struct stp_render_params *params,
+                                   const struct stp_limits *limits, struct stp_choice *choice);
 
 /* scene: prepared; and grouped when the method is deferred. */
 STP_API enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scene *scene,

@@ -26,6 +26,18 @@ STP_API const struct stp_limits *stp_context_limits(const struct stp_context *co
 STP_API unsigned stp_context_messages(const struct stp_context *context);
 STP_API void stp_context_destroy(struct stp_context **context);
 
+struct stp_calibrate_params {
+    bool again;       /* measure, though there is a calibration in the cache */
+    bool only_cached; /* take what the cache has, measure nothing */
+};
+/* Finds the prices that stp_choose decides by, and puts them into the context's limits: from the
+ * cache ($XDG_CACHE_HOME/stipple, else ~/.cache/stipple; a file for a device, driver and version of
+ * this library), else by timing synthetic scenes, which takes some seconds, and then fills the
+ * cache. Without it a device has the built-in prices of Mesa's software device. A cache that is
+ * damaged or cannot be written costs a warning, no more. */
+STP_API enum stp_result stp_calibrate(const struct stp_env *env, struct stp_context *context,
+                                      const struct stp_calibrate_params *params);
+
 #define STP_MAX_PASSES 72
 struct stp_pass_time {
     char name[48];

@@ -133,6 +133,41 @@ struct stp_grouping {
 STP_API enum stp_result stp_scene_group(const struct stp_env *env, struct stp_scene *scene,
                                         const struct stp_group_params *params);
 
+/* ZP 4.2: how a group comes to cover the surface. */
+enum stp_extend {
+    STP_EXTEND_AUTO = 0,  /* BOTH up to 4 groups, larger radii beyond */
+    STP_EXTEND_DUPLICATE, /* splats join further groups */
+    STP_EXTEND_ENLARGE,   /* ZP Eq. 9: one factor a group, at most 2 */
+    STP_EXTEND_BOTH,      /* duplicates up to 45 %, then radii by up to 1.2; more duplicates where
+                             that is not enough */
+};
+
+struct stp_cover_params {
+    unsigned groups; /* K; 0: STP_DEFAULT_COVER_GROUPS; at most STP_MAX_GROUPS */
+    double coverage; /* of the surface, each group; 0: STP_DEFAULT_COVERAGE; at most 1 */
+    enum stp_extend extend;
+};
+#define STP_DEFAULT_COVER_GROUPS 4
+#define STP_DEFAULT_COVERAGE     0.98
+
+/* Of the groups for transparency. Shares are of the area that all discs cover together. */
+struct stp_cover {
+    unsigned groups;                 /* K; 0: none were made */
+    enum stp_extend extend;          /* never AUTO */
+    size_t members;                  /* summed over the groups */
+    double duplicates;               /* memberships beyond one a splat, over the splats */
+    double before[STP_MAX_GROUPS];   /* share that each group covered at first */
+    double coverage[STP_MAX_GROUPS]; /* and covers now */
+    double factor[STP_MAX_GROUPS];   /* of its radii */
+    double error;                    /* standard error of the shares, at most */
+    double milliseconds;
+};
+
+/* ZP 4.2: K groups that each cover the surface, for the transparencies `fast` and `nearest`. Apart
+ * from stp_scene_group and what it made. After stp_scene_prepare; may be called again. */
+STP_API enum stp_result stp_scene_cover(const struct stp_env *env, struct stp_scene *scene,
+                                        const struct stp_cover_params *params);
+
 enum stp_normals { STP_NORMALS_GIVEN = 0, STP_NORMALS_ESTIMATED, STP_NORMALS_NONE };
 
 /* What is known of a scene: input to plans, printed by `stipple info`. */
@@ -168,6 +203,7 @@ struct stp_facts {
     bool between_levels;         /* more roughnesses than levels: two are mixed */
     enum stp_up up;              /* resolved */
     struct stp_grouping grouping;
+    struct stp_cover cover;
     struct stp_volume_facts volume;
     char format[32]; /* of the (first) file, "" when made in memory */
 };

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "plan/profile.h"
 
 static void lack(struct stp_device_info *info, bool present, bool required, const char *name)
 {
@@ -81,6 +82,7 @@ bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice dev
     instance->vk.vkGetPhysicalDeviceProperties2(device, &p);
     *info = (struct stp_device_info){ .usable = true };
     struct stp_limits *l = &info->limits;
+    calibration_built_in(&l->calibration);
     uint32_t v = p.properties.apiVersion;
     snprintf(info->api_version, sizeof info->api_version, "%u.%u.%u", VK_API_VERSION_MAJOR(v),
              VK_API_VERSION_MINOR(v), VK_API_VERSION_PATCH(v));

@@ -174,7 +174,15 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
 static void explain(struct stp_plan *plan)
 {
     const char *method = stp_method_name(plan->method);
-    const char *asked = plan->params.method == STP_METHOD_AUTO ? "chosen" : "asked for";
+    const struct stp_prediction *p = &plan->params.prediction;
+    char predicted[128];
+    snprintf(predicted, sizeof predicted,
+             "the cheapest within an error of %.3g (predicted: %.3g ms, error at most %.2g)",
+             p->bound, p->milliseconds, p->error);
+    const char *asked = p->bound > 0 && p->error <= p->bound     ? predicted
+                        : p->bound > 0                           ? "the most exact that there is"
+                        : plan->params.method == STP_METHOD_AUTO ? "chosen"
+                                                                 : "asked for";
     char *why = plan->why;
     size_t size = sizeof plan->why;
     switch (plan->method) {

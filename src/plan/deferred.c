@@ -1,6 +1,7 @@
 /* Zhang & Pajarola 2006, Algorithm 1: one geometry pass into K depth-images, then Fig. 5. */
-#include "plan/plan.h"
+#include "plan/offer.h"
 
+#include <math.h>
 #include <stdio.h>
 
 static void keys(struct stp_plan *plan)
@@ -19,7 +20,9 @@ static void keys(struct stp_plan *plan)
         plan_writes(plan, pass, PLAN_WORK);
     }
     plan_splat(plan, "keys", PLAN_SHADER_DEFERRED_KEYS, PLAN_SHADER_DEFERRED_KEYS_LARGE, false,
-               (enum plan_slot[]){ PLAN_KEYS, PLAN_NEAREST, PLAN_SLOTS });
+               (enum plan_slot[]){ PLAN_KEYS, PLAN_SLOTS });
+    plan_reads(plan, &plan->pass[plan->pass_count - 2], PLAN_NEAREST);
+    plan_reads(plan, &plan->pass[plan->pass_count - 1], PLAN_NEAREST);
     plan_blocks(plan);
     plan_resolve(plan, "composite", PLAN_SHADER_DEFERRED_COMPOSITE, false,
                  (enum plan_slot[]){ PLAN_KEYS, PLAN_SLOTS });
@@ -30,7 +33,7 @@ static void layers(struct stp_plan *plan)
 {
     uint32_t groups = plan->facts.grouping.groups;
     plan_image(plan, "winners", PLAN_IMAGE_ID, PLAN_RG32UI, groups);
-    plan_image(plan, "depth", PLAN_IMAGE_DEPTH, PLAN_D32F, groups);
+    plan_image(plan, "depth test", PLAN_IMAGE_DEPTH, PLAN_D32F, groups);
     bool layered = plan->constant[PLAN_LAYERED] != 0;
     if (!layered)
         plan_resource(plan, "order", PLAN_ORDER, PLAN_SCENE, (uint64_t)plan->facts.splats * 4);
@@ -72,3 +75,89 @@ void plan_deferred(struct stp_plan *plan)
     else
         layers(plan);
 }
+
+/* --- what it tells auto --------------------------------------------------------------------- */
+
+static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
+{
+    static const double overlaps[] = { 0.4, 0.6, 0.8, 1 };
+    static const enum stp_path paths[] = { STP_PATH_COMPUTE, STP_PATH_RASTER };
+    unsigned n = 0;
+    for (unsigned c = 0; c < sizeof overlaps / sizeof *overlaps; c++) {
+        for (unsigned p = 0; p < 2; p++)
+            candidate[n++] =
+                (struct plan_candidate){ STP_METHOD_DEFERRED, paths[p], STP_PAYLOAD_AUTO,
+                                         STP_VORONOI_SLAB, overlaps[c] };
+        candidate[n++] = (struct plan_candidate){ STP_METHOD_DEFERRED, STP_PATH_COMPUTE,
+                                                  STP_PAYLOAD_ID, STP_VORONOI_EXACT, overlaps[c] };
+    }
+    return n;
+}
+
+/* Every layer is cleared, and composited where splats are (by the rasteriser everywhere); its
+ * separate draws cost a pass each. */
+static enum plan_cost cost(const struct stp_plan *plan, const struct survey *survey,
+                           double amount[PLAN_TERMS])
+{
+    double groups = plan->facts.grouping.groups;
+    bool packed = plan->constant[PLAN_PACKED] != 0;
+    plan_common_amounts(plan, survey, amount);
+    amount[PLAN_TERM_DEEP] = groups * survey->pixels;
+    if (plan->path == STP_PATH_RASTER) {
+        amount[PLAN_TERM_FRAME] *= plan->constant[PLAN_LAYERED] ? 1 : groups;
+        return packed ? PLAN_COST_DEFERRED_RASTER : PLAN_COST_DEFERRED_RASTER_ID;
+    }
+    amount[PLAN_TERM_OVERFLOW] = groups * survey->touched;
+    if (plan->voronoi == STP_VORONOI_EXACT)
+        return PLAN_COST_DEFERRED_EXACT;
+    return packed ? PLAN_COST_DEFERRED_PACKED : PLAN_COST_DEFERRED_ID;
+}
+
+/* Of two fragments of one group, does the first win? As key_words and key_id order them. */
+static bool wins(const struct stp_plan *plan, const struct probe_fragment *a,
+                 const struct probe_fragment *b)
+{
+    if (plan->voronoi == STP_VORONOI_EXACT)
+        return a->rho2 < b->rho2;
+    if (plan->voronoi == STP_VORONOI_SLAB) {
+        double low = plan->frame.depth_low, scale = plan->frame.slab_scale;
+        double x = floor((a->depth - low) * scale), y = floor((b->depth - low) * scale);
+        double u = a->rho2, v = b->rho2;
+        if (!plan->constant[PLAN_PACKED]) {
+            u = round(sqrt(u) * 16383);
+            v = round(sqrt(v) * 16383);
+        }
+        if (x != y || u != v)
+            return x != y ? x < y : u < v;
+    }
+    return a->depth < b->depth;
+}
+
+/* One fragment a group. Exact Voronoi looks only within epsilon of the group's nearest. */
+static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, size_t count)
+{
+    double last[STP_MAX_GROUPS];
+    struct probe_fragment *best[STP_MAX_GROUPS] = { 0 };
+    for (unsigned k = 0; k < STP_MAX_GROUPS; k++)
+        last[k] = INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        struct probe_fragment *f = &fragment[i];
+        if (plan->constant[PLAN_PACKED])
+            plan_quantise_packed(plan, f);
+        if (plan->voronoi == STP_VORONOI_EXACT)
+            last[f->group] = fmin(last[f->group], f->depth + plan->frame.epsilon);
+    }
+    for (size_t i = 0; i < count; i++) {
+        struct probe_fragment *f = &fragment[i];
+        struct probe_fragment **at = &best[f->group];
+        f->kept = false;
+        if (f->depth > last[f->group] || (*at && !wins(plan, f, *at)))
+            continue;
+        if (*at)
+            (*at)->kept = false;
+        f->kept = true;
+        *at = f;
+    }
+}
+
+const struct plan_offer plan_deferred_offer = { candidates, cost, keep };

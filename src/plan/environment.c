@@ -54,3 +54,13 @@ void plan_environment(struct stp_plan *plan, const struct stp_scene *scene)
         f->environment_levels[i] = (struct stp_level_gpu){ (uint32_t)e->level[i].first,
                                                            e->level[i].width, e->level[i].height };
 }
+
+void plan_environment_resources(struct stp_plan *plan)
+{
+    if (plan->constant[PLAN_OPTICS] & STP_OPTICS_SURFACE)
+        plan_resource(plan, "optics", PLAN_OBJECT_OPTICS, PLAN_SCENE,
+                      plan->facts.objects * sizeof(struct stp_optics_gpu));
+    if (plan->constant[PLAN_OPTICS])
+        plan_resource(plan, "environment", PLAN_ENVIRONMENT, PLAN_SCENE,
+                      plan->facts.environment_texels * 12);
+}

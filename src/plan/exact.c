@@ -2,7 +2,9 @@
  * summed again, over the very memory of its slots and from only the splats that touch its block: by
  * the two-pass code, or, where there are layers, once a layer. Those passes are dispatched
  * indirectly and do nothing when no pixel overflowed. */
-#include "plan/plan.h"
+#include "plan/offer.h"
+
+#include <math.h>
 
 static struct plan_pass *repair_blocks(struct stp_plan *plan, const char *name,
                                        enum plan_shader shader)
@@ -106,3 +108,39 @@ void plan_exact(struct stp_plan *plan)
     plan_resolve(plan, "resolve", PLAN_SHADER_EXACT_RESOLVE, false, touched);
     repair(plan);
 }
+
+/* --- what it tells auto --------------------------------------------------------------------- */
+
+static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
+{
+    candidate[0] = (struct plan_candidate){ STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_PACKED,
+                                            STP_VORONOI_OFF, 0 };
+    candidate[1] = candidate[0];
+    candidate[1].payload = STP_PAYLOAD_ID;
+    return 2;
+}
+
+/* A pixel's first fragments are resolved from registers, those beyond from memory; where the slots
+ * overflow, the two-pass code sums everything there again. */
+static enum plan_cost cost(const struct stp_plan *plan, const struct survey *survey,
+                           double amount[PLAN_TERMS])
+{
+    plan_common_amounts(plan, survey, amount);
+    amount[PLAN_TERM_DEEP] = survey->deep;
+    amount[PLAN_TERM_OVERFLOW] = survey->overflow;
+    if (!plan->constant[PLAN_PACKED])
+        return PLAN_COST_EXACT_ID;
+    return plan->constant[PLAN_KEY_IDS] ? PLAN_COST_EXACT_PACKED_IDS : PLAN_COST_EXACT_PACKED;
+}
+
+/* Every fragment, with weights in 12 bits: the sums are integers. */
+static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        if (plan->constant[PLAN_PACKED])
+            plan_quantise_packed(plan, &fragment[i]);
+        fragment[i].weight = round(fragment[i].weight * 4095) / 4095;
+    }
+}
+
+const struct plan_offer plan_exact_offer = { candidates, cost, keep };

@@ -1,10 +1,11 @@
 #include "plan/plan.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 
-#include "base/json.h"
 #include "base/log.h"
+#include "plan/profile.h"
 
 void stp_limits_lavapipe(struct stp_limits *limits)
 {
@@ -21,6 +22,7 @@ void stp_limits_lavapipe(struct stp_limits *limits)
         .max_workgroups = 65535,
         .processor = 1,
     };
+    calibration_built_in(&limits->calibration);
 }
 
 static enum stp_result get_count(const struct json_at *at, const cJSON *root, const char *key,
@@ -70,7 +72,7 @@ static enum stp_result read_limits(const struct json_at *at, const cJSON *root,
     enum stp_result result = json_check_object(
         at, root,
         "device driver features heap_bytes max_allocation max_image_size max_image_layers "
-        "max_workgroups processor api_version usable lacks");
+        "max_workgroups processor calibration version api_version usable lacks");
     if (result == STP_OK)
         result = get_text(at, root, "device", limits->device, sizeof limits->device);
     if (result == STP_OK)
@@ -89,6 +91,8 @@ static enum stp_result read_limits(const struct json_at *at, const cJSON *root,
         result = get_count(at, root, "max_workgroups", 0x1p32 - 1, &groups);
     if (result == STP_OK)
         result = get_count(at, root, "processor", 2, &processor);
+    if (result == STP_OK)
+        result = calibration_from_json(at, root, &limits->calibration);
     limits->heap_bytes = (uint64_t)heap;
     limits->max_allocation = (uint64_t)allocation;
     limits->max_image_size = (uint32_t)size;
@@ -103,6 +107,7 @@ enum stp_result stp_limits_load(const struct stp_env *env, const char *path,
 {
     cJSON *root = NULL;
     struct stp_limits read = { 0 };
+    calibration_built_in(&read.calibration);
     enum stp_result result = json_read(env, path, &root);
     if (result != STP_OK)
         return result;
@@ -112,4 +117,40 @@ enum stp_result stp_limits_load(const struct stp_env *env, const char *path,
     if (result == STP_OK)
         *limits = read;
     return result;
+}
+
+static bool add_features(cJSON *root, unsigned features)
+{
+    cJSON *list = cJSON_AddArrayToObject(root, "features");
+    bool whole = list != NULL;
+    for (unsigned bit = 1; whole && stp_feature_name((enum stp_feature)bit); bit *= 2)
+        if (features & bit)
+            whole = cJSON_AddItemToArray(
+                list, cJSON_CreateString(stp_feature_name((enum stp_feature)bit)));
+    return whole;
+}
+
+char *stp_limits_print(const struct stp_limits *limits)
+{
+    const struct {
+        const char *key;
+        double value;
+    } numbers[] = { { "heap_bytes", (double)limits->heap_bytes },
+                    { "max_allocation", (double)limits->max_allocation },
+                    { "max_image_size", limits->max_image_size },
+                    { "max_image_layers", limits->max_image_layers },
+                    { "max_workgroups", limits->max_workgroups },
+                    { "processor", limits->processor } };
+    cJSON *root = cJSON_CreateObject(), *calibration = calibration_to_json(&limits->calibration);
+    bool whole = root && calibration && cJSON_AddStringToObject(root, "device", limits->device) &&
+                 cJSON_AddStringToObject(root, "driver", limits->driver) &&
+                 add_features(root, limits->features);
+    for (unsigned i = 0; whole && i < sizeof numbers / sizeof *numbers; i++)
+        whole = cJSON_AddNumberToObject(root, numbers[i].key, numbers[i].value) != NULL;
+    whole = whole && cJSON_AddItemToObject(root, "calibration", calibration);
+    if (!whole)
+        cJSON_Delete(calibration);
+    char *text = whole ? cJSON_Print(root) : NULL;
+    cJSON_Delete(root);
+    return text;
 }

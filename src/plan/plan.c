@@ -1,4 +1,4 @@
-#include "plan/plan.h"
+#include "plan/offer.h"
 
 #include <string.h>
 
@@ -9,9 +9,8 @@
 #define MOST_SAMPLES 65536            /* as of the reference */
 #define MOST_SPLATS  (UINT32_MAX / 3) /* a draw counts three vertices a splat */
 
-static enum stp_result check(const struct stp_env *env, const struct stp_scene *scene,
-                             const struct stp_camera *camera,
-                             const struct stp_render_params *params)
+enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *scene,
+                           const struct stp_camera *camera, const struct stp_render_params *params)
 {
     if (!scene->prepared || (scene->splats.count == 0 && !scene->volume))
         return log_error(env, STP_ERROR_ARGUMENT, "a plan needs a prepared scene with splats");
@@ -60,17 +59,13 @@ static enum stp_result fill(const struct stp_env *env, struct stp_plan *plan,
     return plan_tiles(env, plan);
 }
 
-enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scene *scene,
-                                const struct stp_camera *camera,
-                                const struct stp_render_params *params,
-                                const struct stp_limits *limits, struct stp_plan **plan)
+static struct stp_plan *start(const struct stp_scene *scene, const struct stp_camera *camera,
+                              const struct stp_render_params *params,
+                              const struct stp_limits *limits)
 {
-    enum stp_result result = check(env, scene, camera, params);
-    if (result != STP_OK)
-        return result;
     struct stp_plan *made = mem_zalloc(1, sizeof *made);
     if (!made)
-        return log_no_memory(env, sizeof *made, "the plan");
+        return NULL;
     made->params = *params;
     made->camera = *camera;
     made->facts = scene->facts;
@@ -81,12 +76,63 @@ enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scen
             made->background[i] = params->background[i];
         made->params.background = made->background;
     }
+    return made;
+}
+
+enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scene *scene,
+                                const struct stp_camera *camera,
+                                const struct stp_render_params *params,
+                                const struct stp_limits *limits, struct stp_plan **plan)
+{
+    enum stp_result result = plan_check(env, scene, camera, params);
+    if (result != STP_OK)
+        return result;
+    struct stp_plan *made = start(scene, camera, params, limits);
+    if (!made)
+        return log_no_memory(env, sizeof *made, "the plan");
     result = fill(env, made, scene);
     if (result != STP_OK)
         stp_plan_destroy(&made);
     else
         *plan = made;
     return result;
+}
+
+static void swallow(void *user, enum stp_log_level level, const char *line)
+{
+}
+
+/* The groups themselves, which only a pass a layer would ask for, are not known: all splats count
+ * as the first's. */
+enum stp_result plan_try(const struct stp_env *env, const struct stp_scene *scene,
+                         const struct stp_camera *camera, const struct stp_render_params *params,
+                         const struct stp_limits *limits, const struct plan_candidate *candidate,
+                         const struct stp_grouping *grouping, struct stp_plan **plan)
+{
+    const struct stp_env quiet = { .threads = env ? env->threads : 0, .log = swallow };
+    struct stp_plan *made = start(scene, camera, params, limits);
+    if (!made)
+        return log_no_memory(env, sizeof *made, "a plan");
+    made->params.method = candidate->method;
+    made->params.path = candidate->path;
+    made->params.payload = candidate->payload;
+    made->params.voronoi = candidate->overlap > 0 ? candidate->voronoi : params->voronoi;
+    made->facts.grouping = *grouping;
+    for (unsigned k = 1; k <= STP_MAX_GROUPS; k++)
+        made->group_first[k] = (uint32_t)made->facts.splats;
+    plan_frame_constants(made, scene);
+    enum stp_result result = plan_choose(&quiet, made);
+    if (result == STP_OK)
+        result = plan_tiles(&quiet, made);
+    bool same = result == STP_OK && made->path == candidate->path &&
+                made->voronoi == candidate->voronoi &&
+                (candidate->payload == STP_PAYLOAD_AUTO || made->payload == candidate->payload ||
+                 candidate->method == STP_METHOD_TWO_PASS);
+    if (same)
+        *plan = made;
+    else
+        stp_plan_destroy(&made);
+    return result == STP_ERROR_MEMORY ? log_no_memory(env, sizeof *made, "a plan") : STP_OK;
 }
 
 enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan,

@@ -277,9 +277,13 @@ struct stp_plan {
     struct plan_grid grid;            /* of the whole picture */
     bool rim_far;                     /* discs reach beyond the pixels beside their own */
     struct plan_tile *tile;
-    double environment_axes[3][3]; /* world: right of the map's centre, up, its centre */
+    double environment_axes[3][3];            /* world: right of the map's centre, up, its centre */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
 };
+
+/* plan/plan.c: can these be planned with at all? Logs why not. */
+enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *scene,
+                           const struct stp_camera *camera, const struct stp_render_params *params);
 
 /* plan/choose.c: method, path, payload, voronoi and why. */
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
@@ -331,6 +335,7 @@ uint32_t plan_least_depth_bits(const struct stp_plan *plan);
 
 /* plan/environment.c: whether this picture needs the scene's environment, and what of it. */
 void plan_environment(struct stp_plan *plan, const struct stp_scene *scene);
+void plan_environment_resources(struct stp_plan *plan);
 /* As the camera of plan->frame sees it. */
 void plan_turn_environment(struct stp_plan *plan);
 

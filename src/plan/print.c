@@ -11,12 +11,11 @@ static const char *const format_names[] = { "buffer",        "R32G32_UINT",
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {
-    "groups",          "voronoi",     "packed",       "gauss",      "two_sided",
-    "cull_back",       "floor",       "orthographic", "color",      "objects",
-    "unknown_normals", "head_light",  "local_viewer", "background", "aovs",
-    "squarings",       "repair",      "slot_ids",     "atomic64",   "layered",
-    "float64",         "sample_grid", "lanes",        "opacity",    "mixed",
-    "optics",
+    "groups",       "voronoi",      "packed",  "gauss",       "two_sided",       "cull_back",
+    "floor",        "orthographic", "color",   "objects",     "unknown_normals", "head_light",
+    "local_viewer", "background",   "aovs",    "squarings",   "repair",          "slot_ids",
+    "atomic64",     "layered",      "float64", "sample_grid", "lanes",           "opacity",
+    "mixed",        "optics",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)

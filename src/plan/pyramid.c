@@ -168,6 +168,7 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "objects", PLAN_OBJECTS, PLAN_SCENE, n * 4);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
+    plan_environment_resources(plan);
 }
 
 /* 0: none; 1: colours; 2: colours, ids and objects. */
@@ -295,6 +296,8 @@ static void shade(struct stp_plan *plan, const char *name, enum plan_shader shad
     plan_updates(plan, pass, PLAN_RIM);
     plan_updates(plan, pass, PLAN_KEYS);
     plan_reads(plan, pass, PLAN_MATERIALS);
+    plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
     plan_reads(plan, pass, PLAN_IMAGE_PYRAMID);
     plan_reads(plan, pass, PLAN_IMAGE_ATTRIBUTES);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)

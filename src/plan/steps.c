@@ -183,7 +183,8 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
     plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
     plan_reads(plan, pass, PLAN_ENVIRONMENT);
     plan_updates(plan, pass, PLAN_WORK);
-    updates_all(plan, pass, read);
+    for (; *read != PLAN_SLOTS; read++)
+        plan_reads(plan, pass, *read);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
         if (plan_samples(plan) > 1)
             plan_updates(plan, pass, slot);

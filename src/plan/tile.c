@@ -47,12 +47,7 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "opacities", PLAN_OPACITIES, PLAN_SCENE, n * 4);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
-    if (plan->constant[PLAN_OPTICS] & STP_OPTICS_SURFACE)
-        plan_resource(plan, "optics", PLAN_OBJECT_OPTICS, PLAN_SCENE,
-                      plan->facts.objects * sizeof(struct stp_optics_gpu));
-    if (plan->constant[PLAN_OPTICS])
-        plan_resource(plan, "environment", PLAN_ENVIRONMENT, PLAN_SCENE,
-                      plan->facts.environment_texels * 12);
+    plan_environment_resources(plan);
 }
 
 /* Blocks that nothing touches are never resolved: they keep what these fills leave. */

@@ -1,5 +1,5 @@
 /* The classical 2+1 pass (ZP 3.1, BSK 4): nearest depth, sums within epsilon of it, normalise. */
-#include "plan/plan.h"
+#include "plan/offer.h"
 
 static void compute(struct stp_plan *plan)
 {
@@ -43,7 +43,7 @@ static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan
 static void raster(struct stp_plan *plan)
 {
     plan_image(plan, "nearest", PLAN_IMAGE_ID, PLAN_RG32UI, 1);
-    plan_image(plan, "depth", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
+    plan_image(plan, "depth test", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
     plan_image(plan, "sum", PLAN_IMAGE_SUM, PLAN_RGBA32F, 1);
     plan_image(plan, "depth sum", PLAN_IMAGE_SUM_DEPTH, PLAN_RG32F, 1);
     if (plan->constant[PLAN_HAS_COLOR])
@@ -79,3 +79,30 @@ void plan_twopass(struct stp_plan *plan)
     else
         raster(plan);
 }
+
+/* --- what it tells auto --------------------------------------------------------------------- */
+
+static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
+{
+    candidate[0] = (struct plan_candidate){ STP_METHOD_TWO_PASS, STP_PATH_COMPUTE, STP_PAYLOAD_AUTO,
+                                            STP_VORONOI_OFF, 0 };
+    candidate[1] = candidate[0];
+    candidate[1].path = STP_PATH_RASTER;
+    return 2;
+}
+
+static enum plan_cost cost(const struct stp_plan *plan, const struct survey *survey,
+                           double amount[PLAN_TERMS])
+{
+    plan_common_amounts(plan, survey, amount);
+    if (plan->path == STP_PATH_RASTER)
+        return PLAN_COST_TWO_PASS_RASTER;
+    return plan->constant[PLAN_HAS_COLOR] ? PLAN_COST_TWO_PASS_COLOR : PLAN_COST_TWO_PASS;
+}
+
+/* Sums of 40 bits and more: nothing is lost that a picture shows. */
+static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, size_t count)
+{
+}
+
+const struct plan_offer plan_twopass_offer = { candidates, cost, keep };

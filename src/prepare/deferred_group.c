@@ -36,8 +36,7 @@ static double now_ms(void)
     return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
 }
 
-/* Equal in every attribute, bit for bit. */
-static bool same(const struct splats *s, size_t i, size_t j)
+bool splats_equal(const struct splats *s, size_t i, size_t j)
 {
     return memcmp(s->position[i], s->position[j], sizeof *s->position) == 0 &&
            memcmp(s->normal[i], s->normal[j], sizeof *s->normal) == 0 &&
@@ -52,7 +51,7 @@ static void mark_duplicates(void *context, size_t begin, size_t end, unsigned wo
 {
     struct grouping *g = context;
     for (size_t i = begin; i < end; i++)
-        g->skip[i] = i > 0 && same(g->splats, i - 1, i) ? DUPLICATE : IN_GRAPH;
+        g->skip[i] = i > 0 && splats_equal(g->splats, i - 1, i) ? DUPLICATE : IN_GRAPH;
 }
 
 static void spread_left_out(const struct grouping *g, unsigned groups)

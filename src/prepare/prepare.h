@@ -71,6 +71,10 @@ enum stp_result largest_first_color(const struct stp_env *env, const struct over
                                     unsigned max_colors, uint8_t *color, unsigned *color_count,
                                     size_t *conflicts);
 
+/* Equal in every attribute, bit for bit: the same fragments. The canonical order has put equals
+ * side by side. */
+bool splats_equal(const struct splats *splats, size_t i, size_t j);
+
 /* Both, into scene->splats.group and facts.grouping.
  * - A splat equal to its predecessor in every attribute takes that one's group and no part in the
  *   graph: either of them winning a pixel gives the same fragment, counted once instead of twice.
@@ -86,5 +90,13 @@ enum stp_result largest_first_color(const struct stp_env *env, const struct over
 #define GROUP_MIN_OVERLAP 0.1
 enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,
                             const struct stp_group_params *params);
+
+/* Into scene->cover and facts.cover. Splats of opacity 0, and those that
+ * equal their predecessor, are in no group. Where
+ * more overlap than any K could make use of (128 a splat on average), those under 64 or more larger
+ * ones count as crowded: they are dealt out in turn and not sampled, so that a million coincident
+ * splats take no more time than others. */
+enum stp_result cover_scene(const struct stp_env *env, struct stp_scene *scene,
+                            const struct stp_cover_params *params);
 
 #endif

@@ -64,7 +64,7 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     return check_camera(env, camera);
 }
 
-static struct view view_of(const struct stp_scene *scene, const struct stp_camera *camera,
+struct view reference_view(const struct stp_scene *scene, const struct stp_camera *camera,
                            const struct stp_render_params *params)
 {
     struct view view = { .scene = scene,
@@ -123,7 +123,7 @@ enum stp_result reference_render(const struct stp_env *env, const struct stp_sce
         result = planes_create(env, scene, camera, params->aovs, &made, &planes);
     if (result != STP_OK)
         return result;
-    struct view view = view_of(scene, camera, params);
+    struct view view = reference_view(scene, camera, params);
     result = scene->volume ? medium_render(env, &view, &planes, params, LEAST_ALPHA)
                            : render(env, &view, &planes, params);
     if (result == STP_OK)

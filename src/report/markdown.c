@@ -320,6 +320,7 @@ void report_markdown(FILE *out, const struct report *report)
     front(out, report);
     equal_error(out, report);
     equal_time(out, report);
+    report_picks_markdown(out, report);
     against_baseline(out, report);
     all_rows(out, report);
     groupings(out, report);

@@ -36,6 +36,15 @@ struct report_skip {
     char name[80], why[256];
 };
 
+/* What auto takes for a bound on the mean absolute error. */
+struct report_pick {
+    double bound;
+    unsigned row;     /* the configuration that it takes */
+    double ms, error; /* predicted; the error at most */
+    bool met;         /* auto is sure of the bound */
+};
+#define REPORT_MAX_PICKS 8
+
 #define REPORT_MAX_ROWS 128
 
 struct report {
@@ -51,6 +60,8 @@ struct report {
     unsigned row_count; /* at most REPORT_MAX_ROWS */
     struct report_skip *skip;
     unsigned skip_count;
+    struct report_pick pick[REPORT_MAX_PICKS];
+    unsigned pick_count;
 };
 
 /* --- front.c ------------------------------------------------------------------------------- */
@@ -90,6 +101,9 @@ const char *report_number(double value, char text[REPORT_NUMBER_SIZE]);
 void report_csv(FILE *out, const struct report *report);
 void report_markdown(FILE *out, const struct report *report);
 void report_svg(FILE *out, const struct report *report);
+/* picks.c: beside the fastest row within the bound. */
+void report_picks_csv(FILE *out, const struct report *report);
+void report_picks_markdown(FILE *out, const struct report *report);
 
 /* --- heat.c: pictures of the error ------------------------------------------------------------ */
 

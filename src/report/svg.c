@@ -47,8 +47,8 @@ static void find_range(struct plot *plot)
         const struct report_row *row = &plot->report->row[i];
         if (row->is_reference)
             continue;
-        fast = fmin(fast, fmax(row->ms.median, 1e-6));
-        slow = fmax(slow, row->ms.median);
+        fast = fmin(fast, fmax(row->ms.quartile1, 1e-6)); /* the bars are inside too */
+        slow = fmax(slow, row->ms.quartile3);
         least = fmin(least, report_error(row));
         most = fmax(most, report_error(row));
     }

@@ -20,6 +20,12 @@ void environment_release(struct scene_environment *environment)
     *environment = (struct scene_environment){ 0 };
 }
 
+void cover_groups_release(struct cover_groups *groups)
+{
+    mem_free(groups->node);
+    *groups = (struct cover_groups){ 0 };
+}
+
 void splats_release(struct splats *splats)
 {
     mem_free(splats->position);
@@ -55,6 +61,7 @@ void stp_scene_destroy(struct stp_scene **scene)
     mem_free((*scene)->objects);
     splats_release(&(*scene)->splats);
     environment_release(&(*scene)->environment);
+    cover_groups_release(&(*scene)->cover);
     volume_release(&(*scene)->volume);
     mem_free(*scene);
     *scene = NULL;

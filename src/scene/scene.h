@@ -64,7 +64,8 @@ struct stp_scene {
     struct stp_camera camera;
     struct scene_environment environment;
     struct splats splats;
-    struct volume *volume; /* NULL: none; then there are no splats */
+    struct cover_groups cover; /* after stp_scene_cover */
+    struct volume *volume;     /* NULL: none; then there are no splats */
     struct stp_facts facts;
     double core[6]; /* set by prepare, min x y z max x y z: splats whose centres are outside are
                        outliers that automatic framing leaves out */

@@ -17,6 +17,22 @@ struct splats {
     uint8_t *group;        /* NULL: not grouped; in [0, facts.grouping.groups) */
 };
 
+/* A plane at right angles to an axis, through the centre of splat id, p, relative to the origin. */
+struct bsp_node {
+    float p[3];
+    uint32_t id;
+    uint8_t axis;
+};
+
+/* ZP 4.2: groups for transparency, each covering the surface; a splat may be in several. */
+struct cover_groups {
+    unsigned groups;                    /* 0: none were made */
+    uint32_t first[STP_MAX_GROUPS + 1]; /* group k is node[first[k]] up to node[first[k + 1]] */
+    struct bsp_node *node;              /* a tree a group: prepare/deferred_bsp.h */
+    float factor[STP_MAX_GROUPS];       /* of its members' radii */
+};
+
+void cover_groups_release(struct cover_groups *groups);
 void splats_release(struct splats *splats);
 
 #endif

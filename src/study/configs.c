@@ -3,7 +3,7 @@
 #include <string.h>
 
 static const double overlaps[] = { 0.4, 0.6, 0.8, 0.85, 1.0 };
-static const double quick_overlaps[] = { 0.4, 0.85, 1.0 };
+static const double quick_overlaps[] = { 0.4, 0.6, 0.8, 1.0 };
 #define COUNT(array) (unsigned)(sizeof array / sizeof *array)
 
 struct list {
@@ -64,6 +64,8 @@ static void add_deferred(struct list *list, bool quick, double overlap)
         { STP_PATH_RASTER, STP_PAYLOAD_AUTO, STP_VORONOI_SLAB },
     };
     unsigned count = quick ? COUNT(brief) : COUNT(all);
+    if (quick && overlap > 0.4 && overlap < 1)
+        count = 1; /* by the rasteriser the ends suffice */
     for (unsigned i = 0; i < count; i++)
         add(list, (struct study_config){ STP_METHOD_DEFERRED, quick ? brief[i].path : all[i].path,
                                          quick ? brief[i].payload : all[i].payload,

@@ -46,7 +46,8 @@ static enum stp_result write_texts(const struct study *study, const char *folder
         writer_fn writer;
     } files[] = { { "report.csv", report_csv },
                   { "report.svg", report_svg },
-                  { "report.md", report_markdown } };
+                  { "report.md", report_markdown },
+                  { "auto.csv", report_picks_csv } };
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0)
         return log_error(study->env, STP_ERROR_MEMORY, "cannot make a locale: %s", strerror(errno));
@@ -76,7 +77,7 @@ static enum stp_result write_heat(const struct study *study, const char *folder,
 
 enum stp_result study_write(struct study *study, const char *folder)
 {
-    const struct report_row *front[STUDY_MAX_CONFIGS];
+    const struct report_row *front[STUDY_MAX_CONFIGS + REPORT_MAX_PICKS];
     unsigned count = report_front(&study->report, front);
     enum stp_result result = STP_OK;
     for (unsigned i = 0; result == STP_OK && i < count; i++) {

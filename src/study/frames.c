@@ -55,8 +55,8 @@ enum stp_result study_frame_wake(struct study *study, struct study_frame *frame)
         study_frame_sleep(study, old);
     enum stp_result result = STP_OK;
     if (frame->config.overlap > 0)
-        result = study_groups_use(&study->quiet, &study->groups, &study->params.group,
-                                  frame->config.overlap);
+        result = groupings_use(&study->quiet, &study->groups, &study->params.group,
+                               frame->config.overlap);
     if (result == STP_OK)
         result = record_frame_create(&study->quiet, study->context, frame->plan, &frame->frame);
     if (result != STP_OK)
@@ -123,7 +123,8 @@ static void shuffle(unsigned *order, unsigned count, unsigned round)
 
 enum stp_result study_time(struct study *study)
 {
-    unsigned order[STUDY_MAX_CONFIGS], rounds = study->report.rounds, count = study->frame_count;
+    unsigned order[STUDY_MAX_CONFIGS + REPORT_MAX_PICKS], rounds = study->report.rounds,
+                                                          count = study->frame_count;
     enum stp_result result = STP_OK;
     for (unsigned i = 0; result == STP_OK && i < count; i++) {
         study->frame[i].ms = mem_alloc((size_t)rounds * TIMED, sizeof(double));

@@ -70,14 +70,13 @@ static void add_skip(struct study *study, const struct study_config *config,
 
 /* A configuration that does not apply is left out, with the reason; only want of host memory ends
  * the study. */
-static enum stp_result try_config(struct study *study, const struct study_config *config)
+enum stp_result study_try(struct study *study, const struct study_config *config)
 {
     struct report_skip skip = { "", "" };
     struct stp_plan *plan = NULL;
     enum stp_result result = STP_OK;
     if (config->overlap > 0)
-        result =
-            study_groups_use(study->env, &study->groups, &study->params.group, config->overlap);
+        result = groupings_use(study->env, &study->groups, &study->params.group, config->overlap);
     if (result != STP_OK)
         return result;
     result = make_plan(study, config, &skip, &plan);
@@ -99,9 +98,10 @@ static enum stp_result make_frames(struct study *study)
 {
     struct study_config configs[STUDY_MAX_CONFIGS];
     unsigned count = study_configs(study->params.quick, configs);
-    study->frame = mem_zalloc(count, sizeof *study->frame);
-    study->report.row = mem_zalloc(count + 1, sizeof *study->report.row);
-    study->report.skip = mem_zalloc(count, sizeof *study->report.skip);
+    unsigned most = count + REPORT_MAX_PICKS; /* auto may add its own */
+    study->frame = mem_zalloc(most, sizeof *study->frame);
+    study->report.row = mem_zalloc(most + 1, sizeof *study->report.row);
+    study->report.skip = mem_zalloc(most, sizeof *study->report.skip);
     if (!study->frame || !study->report.row || !study->report.skip)
         return log_no_memory(study->env, count * sizeof *study->report.row, "the report");
     enum stp_result result = STP_OK;
@@ -109,7 +109,7 @@ static enum stp_result make_frames(struct study *study)
         /* One epsilon cannot stand for the many of several objects. */
         bool many = configs[i].epsilon_scale != 1 && study->scene->object_count > 1;
         if (!many)
-            result = try_config(study, &configs[i]);
+            result = study_try(study, &configs[i]);
     }
     if (result == STP_OK && study->frame_count == 0)
         result = log_error(study->env, STP_ERROR_FEATURE, "no method applies: %s",
@@ -167,6 +167,8 @@ static enum stp_result study_all(struct study *study, const char *folder)
     double start = now_ms();
     enum stp_result result = make_frames(study);
     if (result == STP_OK)
+        result = study_pick(study);
+    if (result == STP_OK)
         result = render_reference(study);
     if (result == STP_OK)
         result = study_time(study);
@@ -189,7 +191,7 @@ static void release(struct study *study)
         heat_release(&study->frame[i].heat);
         mem_free(study->frame[i].ms);
     }
-    study_groups_end(&study->groups);
+    groupings_end(&study->groups, false);
     stp_image_destroy(&study->reference);
     mem_free(study->frame);
     mem_free(study->report.row);
@@ -214,7 +216,7 @@ enum stp_result stp_report(const struct stp_env *env, struct stp_context *contex
                     : scene->object_count == 1 ? scene->objects[0].epsilon
                                                : (double)scene->facts.radius_median;
     study.budget = study_budget(context);
-    study_groups_begin(&study.groups, scene);
+    groupings_begin(&study.groups, scene);
     describe(&study);
     context->env = &study.quiet;
     enum stp_result result = study_all(&study, folder);

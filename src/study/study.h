@@ -5,6 +5,7 @@
 
 #include <stipple/report.h>
 
+#include "prepare/groupings.h"
 #include "record/record.h"
 #include "report/report.h"
 
@@ -27,27 +28,6 @@ void study_describe(const struct study_config *config, struct report_row *row);
 /* NULL when the plan does what the configuration says, else why it does not. */
 const char *study_mismatch(const struct study_config *config, const struct stp_plan *plan);
 
-/* --- groups.c: one scene, grouped at several overlaps ---------------------------------------- */
-
-#define STUDY_MAX_GROUPINGS 8
-struct study_groups {
-    struct stp_scene *scene;
-    unsigned count;
-    struct study_grouping {
-        double asked;
-        struct stp_grouping facts;
-        uint8_t *group;
-    } at[STUDY_MAX_GROUPINGS];
-    struct study_grouping before; /* of the scene when the study began */
-};
-/* Remembers the grouping that the scene has. */
-void study_groups_begin(struct study_groups *groups, struct stp_scene *scene);
-/* Groups the scene at this overlap when it was not yet, and shows the scene in that grouping. */
-enum stp_result study_groups_use(const struct stp_env *env, struct study_groups *groups,
-                                 const struct stp_group_params *params, double overlap);
-/* The scene is as it was. */
-void study_groups_end(struct study_groups *groups);
-
 /* --- frames.c: frames that live beside each other --------------------------------------------- */
 
 struct study_frame {
@@ -69,7 +49,7 @@ struct study {
     const struct stp_camera *camera;
     struct stp_report_params params;
     double epsilon;
-    struct study_groups groups;
+    struct groupings groups;
     struct stp_image *reference;
     struct study_frame *frame;
     unsigned frame_count;
@@ -88,6 +68,16 @@ enum stp_result study_time(struct study *study);
 /* Times of passes of the rows that matter: the front, and the two-pass baseline. */
 enum stp_result study_profile(struct study *study);
 uint64_t study_budget(const struct stp_context *context);
+
+/* --- study.c ---------------------------------------------------------------------------------- */
+
+/* A frame for this configuration, or a line in the report that says why there is none. */
+enum stp_result study_try(struct study *study, const struct study_config *config);
+
+/* --- picks.c: what auto would take for a few bounds; joins the frames that are timed -------------
+ */
+
+enum stp_result study_pick(struct study *study);
 
 /* --- files.c ---------------------------------------------------------------------------------- */
 

@@ -40,6 +40,8 @@ class CommandTest(unittest.TestCase):
         self.folder = tempfile.mkdtemp(prefix="stipple-test-")
         os.chmod(self.folder, 0o755)
         self.addCleanup(shutil.rmtree, self.folder, ignore_errors=True)
+        self.cache = tempfile.mkdtemp(prefix="stipple-cache-")  # not the user's
+        self.addCleanup(shutil.rmtree, self.cache, ignore_errors=True)
         self.write("ball.ply", ply(sphere()))
 
     def path(self, name):
@@ -55,7 +57,8 @@ class CommandTest(unittest.TestCase):
 
     def run_tool(self, *arguments, env=None, **more):
         return subprocess.run([TOOL, *arguments], cwd=self.folder, capture_output=True, text=True,
-                              timeout=120, env={**os.environ, **(env or {})}, **more)
+                              timeout=120, **more,
+                              env={**os.environ, "XDG_CACHE_HOME": self.cache, **(env or {})})
 
     def done(self, *arguments, **more):
         """Runs; must succeed and say nothing on stderr. Returns stdout."""

@@ -37,7 +37,8 @@ class Report(command.CommandTest):
         front = [row for row in rows if row["front"] == "1"]
         names = sorted(os.listdir(self.path("out")))
         pictures = [f"error_{i + 1}.png" for i in range(len(front))]
-        self.assertEqual(names, sorted(pictures + ["report.csv", "report.md", "report.svg"]))
+        self.assertEqual(names, sorted(pictures + ["auto.csv", "report.csv", "report.md",
+                                                   "report.svg"]))
         for name in pictures:
             head = self.read("out/" + name)[:24]
             self.assertEqual(struct.unpack(">II", head[16:])[0], 96)
@@ -74,6 +75,23 @@ class Report(command.CommandTest):
                 self.assertAlmostEqual(float(row[name]), other["covered"][name], 9, (wanted, name))
             for name in ["coverage_differs", "depth_mean", "normal_mean", "flip"]:
                 self.assertAlmostEqual(float(row[name]), other[name], 6, (wanted, name))
+
+    def test_what_auto_takes(self):
+        rows = self.make()
+        with open(self.path("out/auto.csv"), newline="", encoding="ascii") as file:
+            picks = list(csv.DictReader(file))
+        self.assertEqual([float(pick["bound"]) for pick in picks], [1e-2, 3e-3, 1e-3, 1e-4, 1e-5])
+        self.assertIn("## What auto takes", self.read("out/report.md").decode())
+        for pick in picks:
+            within = [row for row in rows if row["method"] != "reference" and
+                      float(row["mean_absolute"]) <= float(pick["bound"])]
+            fastest = min(within, key=lambda row: float(row["ms_median"]))
+            self.assertEqual((pick["best_method"], pick["best_ms"]),
+                             (fastest["method"], fastest["ms_median"]))
+            taken = [row for row in rows if row["ms_median"] == pick["ms"]]
+            self.assertEqual([row["method"] for row in taken], [pick["method"]])
+            self.assertLessEqual(float(pick["error"]), float(pick["predicted_error"]))
+            self.assertLessEqual(float(pick["predicted_error"]), float(pick["bound"]))
 
     def test_masked_features_are_left_out(self):
         rows = self.make("--mask-feature", "int64-atomics")

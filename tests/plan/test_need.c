@@ -300,6 +300,74 @@ static void test_transparency(void **state)
     }
 }
 
+/* Of a plain scene, every way has these resources and constants, and not one more. */
+static void test_the_least_of_all(void **state)
+{
+    static const char *const resources[WAYS] = {
+        "splats materials color normal depth work large slots counts ",
+        "splats materials color normal depth work large sums ",
+        "splats materials color normal depth nearest depth test sum depth sum ",
+        "splats materials color normal depth work large keys ",
+        "splats materials color normal depth winners depth test order ",
+    };
+    static const char *const constants[WAYS] = {
+        "0=1 2=1 11=1 15=5 18=1 20=1 21=1 ",     "0=1 11=1 15=5 18=1 20=1 21=1 ",
+        "0=1 11=1 15=5 18=1 20=1 21=1 ",         "0=4 1=1 2=1 11=1 15=5 18=1 20=1 21=1 ",
+        "0=4 1=1 2=1 11=1 15=5 18=1 20=1 21=1 ",
+    };
+    for (int way = 0; way < WAYS; way++) {
+        struct inputs in = plain_inputs();
+        char named[512] = "", numbered[512] = "", part[64];
+        choose_way(&in, way);
+        in.params.min_splat = -1;
+        struct stp_plan *plan = plan_of(&in);
+        for (uint32_t i = 0; i < plan->resource_count; i++) {
+            strcat(named, plan->resource[i].name);
+            strcat(named, " ");
+        }
+        for (int i = 0; i < PLAN_CONSTANTS; i++) {
+            snprintf(part, sizeof part, "%d=%u ", i, plan->constant[i]);
+            strcat(numbered, plan->constant[i] ? part : "");
+        }
+        assert_string_equal(named, resources[way]);
+        assert_string_equal(numbered, constants[way]);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
+/* Each channel alone: what carries it, and nothing for those that depth and normal already say. */
+static void test_channels(void **state)
+{
+    static const struct {
+        unsigned aov;
+        bool albedo, id;
+    } cases[] = { { 0, false, false },
+                  { STP_AOV_ALBEDO, true, false },
+                  { STP_AOV_WEIGHT, true, false },
+                  { STP_AOV_FRAGMENTS, false, true },
+                  { STP_AOV_ID, false, true },
+                  { STP_AOV_POSITION, false, false },
+                  { STP_AOV_COVERAGE, false, false },
+                  { STP_AOV_LAYERS, false, false } };
+    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+        for (int way = 0; way < WAYS; way++) {
+            struct inputs in = plain_inputs();
+            choose_way(&in, way);
+            in.params.aovs = cases[i].aov;
+            struct stp_plan *plan = plan_of(&in);
+            assert_int_equal(plan_find(plan, PLAN_OUT_ALBEDO) != PLAN_NONE, cases[i].albedo);
+            assert_int_equal(plan_find(plan, PLAN_OUT_ID) != PLAN_NONE, cases[i].id);
+            assert_int_equal(pass_named(plan, "clear id") != NULL,
+                             cases[i].id && plan->path == STP_PATH_COMPUTE);
+            assert_int_equal(plan->constant[PLAN_AOVS],
+                             (cases[i].albedo ? 1 : 0) | (cases[i].id ? 2 : 0));
+            stp_plan_destroy(&plan);
+            release_inputs(&in);
+        }
+    }
+}
+
 /* By default: slabs where c < 1 and by the rasteriser, else the exact way. */
 static void test_voronoi(void **state)
 {
@@ -383,10 +451,11 @@ static void test_payload(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_features),     cmocka_unit_test(test_the_least),
-        cmocka_unit_test(test_transparency), cmocka_unit_test(test_voronoi),
-        cmocka_unit_test(test_groups),       cmocka_unit_test(test_squarings),
-        cmocka_unit_test(test_payload),      cmocka_unit_test(test_unmet_environment),
+        cmocka_unit_test(test_features),         cmocka_unit_test(test_the_least),
+        cmocka_unit_test(test_transparency),     cmocka_unit_test(test_voronoi),
+        cmocka_unit_test(test_groups),           cmocka_unit_test(test_squarings),
+        cmocka_unit_test(test_payload),          cmocka_unit_test(test_unmet_environment),
+        cmocka_unit_test(test_the_least_of_all), cmocka_unit_test(test_channels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

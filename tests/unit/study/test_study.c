@@ -80,22 +80,22 @@ static void groupings(void **state)
 {
     struct stp_scene *scene = plane_scene();
     struct stp_group_params before = { .overlap = 0.7 }, params = { 0 };
-    struct study_groups groups;
+    struct groupings groups;
     assert_int_equal(stp_scene_group(NULL, scene, &before), STP_OK);
     const uint8_t *group = scene->splats.group;
     struct stp_grouping facts = scene->facts.grouping;
-    study_groups_begin(&groups, scene);
-    assert_int_equal(study_groups_use(NULL, &groups, &params, 1), STP_OK);
+    groupings_begin(&groups, scene);
+    assert_int_equal(groupings_use(NULL, &groups, &params, 1), STP_OK);
     const uint8_t *whole = scene->splats.group;
     unsigned many = scene->facts.grouping.groups;
-    assert_int_equal(study_groups_use(NULL, &groups, &params, 0.4), STP_OK);
+    assert_int_equal(groupings_use(NULL, &groups, &params, 0.4), STP_OK);
     assert_true(scene->facts.grouping.overlap == 0.4);
     assert_true(scene->facts.grouping.groups < many);
-    assert_int_equal(study_groups_use(NULL, &groups, &params, 1), STP_OK);
+    assert_int_equal(groupings_use(NULL, &groups, &params, 1), STP_OK);
     assert_ptr_equal(scene->splats.group, whole);
     assert_int_equal(scene->facts.grouping.groups, many);
     assert_int_equal(groups.count, 2);
-    study_groups_end(&groups);
+    groupings_end(&groups, false);
     assert_ptr_equal(scene->splats.group, group);
     assert_memory_equal(&scene->facts.grouping, &facts, sizeof facts);
     stp_scene_destroy(&scene);
@@ -110,13 +110,13 @@ static void groupings_without_memory(void **state)
     struct stp_scene *scene = plane_scene();
     struct stp_env env = { .threads = 1, .log = ignore };
     struct stp_group_params params = { 0 };
-    struct study_groups groups;
+    struct groupings groups;
     for (unsigned long n = 1;; n++) {
-        study_groups_begin(&groups, scene);
+        groupings_begin(&groups, scene);
         mem_fail_at(n);
-        enum stp_result result = study_groups_use(&env, &groups, &params, 0.8);
+        enum stp_result result = groupings_use(&env, &groups, &params, 0.8);
         mem_fail_at(0);
-        study_groups_end(&groups);
+        groupings_end(&groups, false);
         assert_null(scene->splats.group);
         assert_int_equal(scene->facts.grouping.groups, 0);
         if (result == STP_OK)

@@ -1,0 +1,206 @@
+/* stp_choose: best first. The cheapest way that is not yet refused is judged one step further,
+ * until the cheapest one is accepted; so scenes are only grouped where groups could pay. */
+#include "plan/auto.h"
+
+#include <math.h>
+#include <stdlib.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+
+/* Does the candidate do what the caller has fixed? */
+static bool allowed(const struct choosing *c, const struct plan_candidate *way)
+{
+    const struct stp_render_params *p = &c->params;
+    return (p->method == STP_METHOD_AUTO || p->method == way->method) &&
+           (p->path == STP_PATH_AUTO || p->path == way->path) &&
+           (p->payload == STP_PAYLOAD_AUTO || way->payload == STP_PAYLOAD_AUTO ||
+            p->payload == way->payload) &&
+           (p->voronoi == STP_VORONOI_DEFAULT || way->overlap == 0 || p->voronoi == way->voronoi);
+}
+
+static enum stp_result add(struct choosing *c, const struct plan_candidate *way)
+{
+    struct auto_candidate *candidate = &c->candidate[c->count];
+    struct stp_grouping none = { 0 };
+    const struct auto_local *local = NULL;
+    bool applies = false;
+    enum stp_result result = STP_OK;
+    if (c->count == STP_MAX_CONSIDERED)
+        return STP_OK;
+    *candidate = (struct auto_candidate){ .way = *way, .error = NAN };
+    candidate->stage = way->overlap > 0 ? AUTO_PRICED : AUTO_GROUPED;
+    if (way->payload == STP_PAYLOAD_AUTO)
+        candidate->way.payload = c->params.payload;
+    if (way->overlap > 0)
+        result = auto_local(c, way->overlap, &local);
+    if (result == STP_OK)
+        result = auto_price(c, candidate, local ? &local->facts : &none, &applies);
+    c->count += applies;
+    return result;
+}
+
+/* Those that need groups, or those that need none. Where the overlap is fixed, the whole one (c =
+ * 1) of every way stands for it. */
+static enum stp_result add_offers(struct choosing *c, bool grouped)
+{
+    enum stp_result result = STP_OK;
+    for (unsigned o = 0; o < plan_offer_count; o++) {
+        struct plan_candidate way[PLAN_MAX_OFFERED];
+        unsigned count = plan_offers[o]->candidates(way);
+        for (unsigned i = 0; result == STP_OK && i < count; i++) {
+            bool stands = c->group.overlap == 0 || way[i].overlap == 1;
+            if (grouped != (way[i].overlap > 0) || (grouped && !stands))
+                continue;
+            if (grouped && c->group.overlap > 0)
+                way[i].overlap = c->group.overlap;
+            if (allowed(c, &way[i]))
+                result = add(c, &way[i]);
+        }
+    }
+    return result;
+}
+
+static enum stp_result list(struct choosing *c)
+{
+    enum stp_result result = add_offers(c, false);
+    bool one_picture = c->params.max_error == 0 && c->params.method == STP_METHOD_AUTO;
+    if (result == STP_OK && (!one_picture || c->count == 0))
+        result = add_offers(c, true);
+    return result;
+}
+
+/* Of equal prices the first. NULL: all are refused. */
+static struct auto_candidate *cheapest(struct choosing *c)
+{
+    struct auto_candidate *found = NULL;
+    for (unsigned i = 0; i < c->count; i++) {
+        struct auto_candidate *candidate = &c->candidate[i];
+        if (candidate->stage != AUTO_REFUSED && (!found || candidate->ms < found->ms))
+            found = candidate;
+    }
+    return found;
+}
+
+static struct auto_candidate *most_exact(struct choosing *c)
+{
+    struct auto_candidate *found = &c->candidate[0];
+    for (unsigned i = 1; i < c->count; i++)
+        if (c->candidate[i].error < found->error ||
+            (c->candidate[i].error == found->error && c->candidate[i].ms < found->ms))
+            found = &c->candidate[i];
+    return found;
+}
+
+static enum stp_result search(struct choosing *c, struct auto_candidate **chosen)
+{
+    struct auto_candidate *candidate;
+    enum stp_result result = STP_OK;
+    while (result == STP_OK && (candidate = cheapest(c)) && candidate->stage != AUTO_ACCEPTED)
+        result = auto_judge(c, candidate);
+    if (result != STP_OK)
+        return result;
+    *chosen = candidate ? candidate : most_exact(c);
+    if (!candidate)
+        log_warning(c->env,
+                    "no method is sure to stay within an error of %g here; the most exact is "
+                    "taken, with up to %.2g",
+                    c->bound, (*chosen)->error);
+    if ((*chosen)->way.overlap > 0)
+        result = groupings_use(c->env, &c->groupings, &c->group, (*chosen)->way.overlap);
+    return result;
+}
+
+static int by_cost(const void *a, const void *b)
+{
+    const struct stp_considered *x = a, *y = b;
+    return (x->milliseconds > y->milliseconds) - (x->milliseconds < y->milliseconds);
+}
+
+static void conclude(const struct choosing *c, const struct auto_candidate *chosen,
+                     struct stp_choice *choice)
+{
+    *choice = (struct stp_choice){ .params = c->params, .met = chosen->stage == AUTO_ACCEPTED };
+    choice->params.method = chosen->way.method;
+    choice->params.path = chosen->way.path;
+    choice->params.payload = chosen->way.payload;
+    choice->params.voronoi = chosen->way.overlap > 0 ? chosen->way.voronoi : c->params.voronoi;
+    choice->params.prediction = (struct stp_prediction){ c->bound, chosen->ms, chosen->error };
+    for (unsigned i = 0; i < c->count; i++) {
+        const struct auto_candidate *k = &c->candidate[i];
+        choice->considered[choice->count++] = (struct stp_considered){
+            .method = k->way.method,
+            .path = k->way.path,
+            .payload = k->way.payload,
+            .voronoi = k->way.voronoi,
+            .overlap = k->way.overlap,
+            .groups = k->grouping.groups,
+            .milliseconds = k->ms,
+            .error = k->error,
+            .verdict = k == chosen                ? STP_VERDICT_CHOSEN
+                       : k->stage == AUTO_REFUSED ? STP_VERDICT_INEXACT
+                                                  : STP_VERDICT_COSTLY,
+        };
+    }
+    qsort(choice->considered, choice->count, sizeof *choice->considered, by_cost);
+}
+
+static enum stp_result choose(struct choosing *c, struct stp_choice *choice)
+{
+    struct auto_candidate *chosen = NULL;
+    enum stp_result result = survey_make(c->env, c->scene, c->camera, &c->params, &c->survey);
+    if (result == STP_OK)
+        result = list(c);
+    if (result == STP_OK && c->count)
+        result = search(c, &chosen);
+    if (result == STP_OK && chosen)
+        conclude(c, chosen, choice);
+    else if (result == STP_OK) /* nothing applies: the plan will say why */
+        *choice = (struct stp_choice){ .params = c->params };
+    groupings_end(&c->groupings, result == STP_OK && chosen && chosen->way.overlap > 0);
+    for (unsigned i = 0; i < c->local_count; i++)
+        mem_free(c->local[i].group);
+    for (unsigned i = 0; i < 2; i++)
+        probe_release(&c->probe[i]);
+    survey_release(&c->survey);
+    return result;
+}
+
+enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
+                           const struct stp_camera *camera, const struct stp_group_params *group,
+                           const struct stp_render_params *params, const struct stp_limits *limits,
+                           struct stp_choice *choice)
+{
+    enum stp_result result = plan_check(env, scene, camera, params);
+    if (result != STP_OK)
+        return result;
+    if (!(params->max_error >= 0) || params->method == STP_METHOD_REFERENCE)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "there is nothing to choose with max_error %g and method %s",
+                         params->max_error, stp_method_name(params->method));
+    if (scene->facts.transparent || scene->volume) {
+        /* Layers are composited by what `transparency` says; the probe knows one surface only. */
+        *choice = (struct stp_choice){ .params = *params, .met = params->max_error == 0 };
+        if (params->max_error > 0)
+            log_warning(env,
+                        "the error of transparent scenes is not estimated: the bound of %g is "
+                        "not looked at",
+                        params->max_error);
+        return STP_OK;
+    }
+    struct choosing *c = mem_zalloc(1, sizeof *c);
+    if (!c)
+        return log_no_memory(env, sizeof *c, "choosing a method");
+    c->env = env;
+    c->scene = scene;
+    c->camera = camera;
+    c->group = group ? *group : (struct stp_group_params){ 0 };
+    c->params = *params;
+    c->params.prediction = (struct stp_prediction){ 0 };
+    c->limits = limits;
+    c->bound = params->max_error > 0 ? params->max_error : STP_DEFAULT_MAX_ERROR;
+    groupings_begin(&c->groupings, scene);
+    result = choose(c, choice);
+    mem_free(c);
+    return result;
+}

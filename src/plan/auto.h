@@ -1,0 +1,58 @@
+/* While auto decides: the ways to render, the cheapest first, each judged only as far as it takes
+ * to accept or refuse it. */
+#ifndef STP_PLAN_AUTO_H
+#define STP_PLAN_AUTO_H
+
+#include "plan/offer.h"
+#include "prepare/groupings.h"
+
+/* How well a candidate is known. */
+enum auto_stage {
+    AUTO_PRICED,   /* cost only; of groups that were found for the probe's splats alone */
+    AUTO_GROUPED,  /* cost with the scene's own groups, or without any */
+    AUTO_ACCEPTED, /* within the bound */
+    AUTO_REFUSED,  /* beyond it */
+};
+
+struct auto_candidate {
+    struct plan_candidate way;
+    enum auto_stage stage;
+    struct stp_grouping grouping; /* that the price is for */
+    double ms;
+    double error; /* at most; NaN: not judged */
+};
+
+struct auto_local {
+    double overlap;
+    struct stp_grouping facts;
+    uint8_t *group; /* of the probe's splats */
+};
+
+struct choosing {
+    const struct stp_env *env;
+    struct stp_scene *scene;
+    const struct stp_camera *camera;
+    struct stp_group_params group;
+    struct stp_render_params params;
+    const struct stp_limits *limits;
+    double bound;
+    struct survey survey;
+    struct probe probe[2]; /* few cells, and many; the second is made when it is needed */
+    bool probed[2];
+    struct groupings groupings;
+    unsigned local_count, count;
+    struct auto_local local[MAX_GROUPINGS];
+    struct auto_candidate candidate[STP_MAX_CONSIDERED];
+};
+
+/* auto_judge.c: one step further with this candidate. */
+enum stp_result auto_judge(struct choosing *choosing, struct auto_candidate *candidate);
+/* The price under this grouping; *applies false: the candidate cannot be planned. */
+enum stp_result auto_price(struct choosing *choosing, struct auto_candidate *candidate,
+                           const struct stp_grouping *grouping, bool *applies);
+/* A foretaste of the groups at this overlap. */
+enum stp_result auto_local(struct choosing *choosing, double overlap,
+                           const struct auto_local **local);
+enum stp_result auto_probe(struct choosing *choosing, unsigned which);
+
+#endif

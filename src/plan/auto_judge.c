@@ -1,0 +1,157 @@
+#include "plan/auto.h"
+
+#include <math.h>
+
+#define CELLS_FEW  256
+#define CELLS_MANY 1536
+/* An estimate counts as within the bound when it still is this many standard errors higher, and as
+ * beyond when it still is that many lower. */
+#define CONFIDENCE 3
+/* A few cells may miss the few pixels where most of the error is: near the bound the many decide.
+ */
+#define TAIL 1.3
+/* Groups of the probe's splats alone put more or fewer of them together than the scene's: what is
+ * this many times beyond the bound with those is not worth grouping the scene for. */
+#define LOCAL_MARGIN 2
+#define DOME_SLOPE                                                                                 \
+    16.0 /* of the eye dome: 8 log2 e, and the floor of the mean, per relative depth */
+
+enum stp_result auto_probe(struct choosing *c, unsigned which)
+{
+    static const unsigned cells[] = { CELLS_FEW, CELLS_MANY };
+    if (c->probed[which])
+        return STP_OK;
+    enum stp_result result = probe_make(c->env, c->scene, c->camera, &c->params, &c->survey,
+                                        cells[which], &c->probe[which]);
+    c->probed[which] = result == STP_OK;
+    return result;
+}
+
+enum stp_result auto_local(struct choosing *c, double overlap, const struct auto_local **local)
+{
+    for (unsigned i = 0; i < c->local_count; i++) {
+        *local = &c->local[i];
+        if (c->local[i].overlap == overlap)
+            return STP_OK;
+    }
+    enum stp_result result = auto_probe(c, 0);
+    if (result != STP_OK)
+        return result;
+    struct auto_local *made = &c->local[c->local_count];
+    struct stp_group_params params = c->group;
+    params.overlap = made->overlap = overlap;
+    if (c->probe[0].splats == 0)
+        made->facts = (struct stp_grouping){ .groups = 1, .overlap = overlap };
+    else
+        result = probe_group(c->env, &c->probe[0], &params, &made->group, &made->facts);
+    if (result == STP_OK)
+        c->local_count++;
+    *local = made;
+    return result;
+}
+
+static enum stp_result make_plan(struct choosing *c, const struct auto_candidate *candidate,
+                                 const struct stp_grouping *grouping, struct stp_plan **plan)
+{
+    return plan_try(c->env, c->scene, c->camera, &c->params, c->limits, &candidate->way, grouping,
+                    plan);
+}
+
+enum stp_result auto_price(struct choosing *c, struct auto_candidate *candidate,
+                           const struct stp_grouping *grouping, bool *applies)
+{
+    struct stp_plan *plan = NULL;
+    enum stp_result result = make_plan(c, candidate, grouping, &plan);
+    *applies = plan != NULL;
+    if (!plan)
+        return result;
+    candidate->ms = plan_predict(plan, &c->survey, &c->limits->calibration);
+    candidate->grouping = *grouping;
+    candidate->way.payload = plan->payload;
+    stp_plan_destroy(&plan);
+    return STP_OK;
+}
+
+/* Shading by depth is not the probe's: a pixel's colour then hangs on its neighbours' depths too.
+ */
+static double dome_error(const struct stp_plan *plan)
+{
+    if (!plan->facts.eye_dome)
+        return 0;
+    if (plan->method == STP_METHOD_DEFERRED)
+        return INFINITY;
+    double step = plan->constant[PLAN_PACKED] ? plan->frame.depth_step / 4 : 0;
+    double depth = fmax(plan->frame.depth_low, plan->frame.epsilon);
+    return DOME_SLOPE * step / (plan->camera.orthographic ? 1 / plan->frame.eye_dome_scale : depth);
+}
+
+/* What this probe says of the candidate, with the groups of the scene or of the probe alone. */
+static enum stp_result estimate(struct choosing *c, const struct auto_candidate *candidate,
+                                unsigned which, const struct auto_local *local, double *low,
+                                double *high)
+{
+    struct stp_plan *plan = NULL;
+    struct probe_error error;
+    const uint8_t *group = local ? local->group : c->scene->splats.group;
+    enum stp_result result = auto_probe(c, which);
+    *low = *high = INFINITY;
+    if (result == STP_OK)
+        result = make_plan(c, candidate, &candidate->grouping, &plan);
+    if (!plan)
+        return result;
+    const struct plan_offer *offer = plan_offer_of(plan->method);
+    result = probe_judge(c->env, &c->probe[which], plan, offer->keep,
+                         candidate->way.overlap > 0 ? group : NULL, local != NULL, &error);
+    double more = plan_rounding(plan) + dome_error(plan);
+    stp_plan_destroy(&plan);
+    if (result != STP_OK)
+        return result;
+    *low = fmax(0, error.mean - CONFIDENCE * error.spread);
+    *high = error.mean + CONFIDENCE * error.spread + more;
+    return STP_OK;
+}
+
+/* Only what may be within the bound is worth grouping the scene for. */
+static enum stp_result group(struct choosing *c, struct auto_candidate *candidate)
+{
+    const struct auto_local *local;
+    double low = 0, high = 0, overlap = candidate->way.overlap;
+    bool applies;
+    enum stp_result result = auto_local(c, overlap, &local);
+    if (result == STP_OK)
+        result = estimate(c, candidate, 0, local, &low, &high);
+    if (result != STP_OK)
+        return result;
+    if (low > LOCAL_MARGIN * c->bound || isinf(high)) {
+        candidate->stage = AUTO_REFUSED;
+        candidate->error = high;
+        return STP_OK;
+    }
+    result = groupings_use(c->env, &c->groupings, &c->group, overlap);
+    if (result == STP_OK)
+        result = auto_price(c, candidate, &c->scene->facts.grouping, &applies);
+    candidate->stage = AUTO_GROUPED;
+    return result;
+}
+
+/* The few cells decide when they can, else the many. */
+static enum stp_result decide(struct choosing *c, struct auto_candidate *candidate)
+{
+    double low = INFINITY, high = INFINITY;
+    enum stp_result result = STP_OK;
+    if (candidate->way.overlap > 0)
+        result = groupings_use(c->env, &c->groupings, &c->group, candidate->way.overlap);
+    for (unsigned which = 0; result == STP_OK && which < 2; which++) {
+        result = estimate(c, candidate, which, NULL, &low, &high);
+        candidate->error = high;
+        if (high * TAIL <= c->bound || low > c->bound)
+            break;
+    }
+    candidate->stage = high <= c->bound ? AUTO_ACCEPTED : AUTO_REFUSED;
+    return result;
+}
+
+enum stp_result auto_judge(struct choosing *c, struct auto_candidate *candidate)
+{
+    return candidate->stage == AUTO_PRICED ? group(c, candidate) : decide(c, candidate);
+}

@@ -1,0 +1,60 @@
+#include "plan/fit.h"
+
+#include <assert.h>
+#include <math.h>
+#include <stdbool.h>
+
+#define MOST_TERMS 16
+#define SWEEPS     20000
+#define STILL      1e-12 /* relative change of a sweep */
+
+/* The normal equations of the relative residuals, every term scaled to a length of 1. */
+struct normal {
+    double a[MOST_TERMS][MOST_TERMS], b[MOST_TERMS], scale[MOST_TERMS];
+};
+
+static void build(size_t rows, unsigned terms, const double *amount, const double *measured,
+                  struct normal *n)
+{
+    *n = (struct normal){ 0 };
+    for (size_t i = 0; i < rows; i++)
+        for (unsigned t = 0; t < terms; t++) {
+            double x = amount[i * terms + t] / measured[i];
+            n->b[t] += x;
+            for (unsigned u = 0; u < terms; u++)
+                n->a[t][u] += x * amount[i * terms + u] / measured[i];
+        }
+    for (unsigned t = 0; t < terms; t++)
+        n->scale[t] = n->a[t][t] > 0 ? 1 / sqrt(n->a[t][t]) : 0;
+    for (unsigned t = 0; t < terms; t++) {
+        n->b[t] *= n->scale[t];
+        for (unsigned u = 0; u < terms; u++)
+            n->a[t][u] *= n->scale[t] * n->scale[u];
+    }
+}
+
+/* Coordinate descent: the problem is convex, so cutting at 0 as it goes finds the minimum. */
+void fit_prices(size_t rows, unsigned terms, const double *amount, const double *measured,
+                double *price)
+{
+    struct normal n;
+    double x[MOST_TERMS] = { 0 };
+    assert(terms <= MOST_TERMS);
+    build(rows, terms, amount, measured, &n);
+    bool moves = true;
+    for (int sweep = 0; sweep < SWEEPS && moves; sweep++) {
+        moves = false;
+        for (unsigned t = 0; t < terms; t++) {
+            if (n.scale[t] == 0)
+                continue;
+            double slope = n.b[t];
+            for (unsigned u = 0; u < terms; u++)
+                slope -= n.a[t][u] * x[u];
+            double next = fmax(0, x[t] + slope);
+            moves = moves || fabs(next - x[t]) > STILL * (fabs(next) + STILL);
+            x[t] = next;
+        }
+    }
+    for (unsigned t = 0; t < terms; t++)
+        price[t] = x[t] * n.scale[t];
+}

@@ -1,0 +1,111 @@
+#include "study/calibrate.h"
+
+#include <string.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/vec.h"
+
+/* What a fit has to tell apart: splats that are many or large, pictures that are full or empty, few
+ * layers or many, a few fragments a pixel or more than slots. */
+const struct calibrate_scene calibrate_scenes[] = {
+    { 16000, 384, 4, 0.9, 1, 0.4, false },    { 16000, 384, 4, 0.9, 1, 1, false },
+    { 300000, 640, 1.5, 0.9, 1, 0.6, false }, { 60000, 512, 2.5, 0.5, 1, 0.4, false },
+    { 1200, 512, 20, 0.9, 1, 0.4, false },    { 3000, 512, 12, 0.9, 1, 0.6, false },
+    { 150, 384, 90, 0.9, 1, 0.6, false },     { 10000, 1024, 3, 0.3, 1, 0.8, false },
+    { 20000, 1024, 6, 0.9, 1, 0.4, false },   { 16000, 256, 5, 0.9, 4, 0.4, false },
+    { 8000, 128, 10, 0.7, 3, 0.4, false },    { 16000, 384, 4, 0.9, 1, 0.4, true },
+    { 300000, 640, 1.5, 0.9, 1, 0.6, true },  { 60000, 512, 2.5, 0.5, 1, 0.4, true },
+    { 1200, 512, 20, 0.9, 1, 0.4, true },     { 3000, 512, 12, 0.9, 1, 0.6, true },
+    { 150, 384, 90, 0.9, 1, 0.6, true },      { 10000, 1024, 3, 0.3, 1, 0.8, true },
+    { 20000, 1024, 6, 0.9, 1, 0.4, true },    { 16000, 256, 5, 0.9, 4, 0.4, true },
+    { 8000, 128, 10, 0.7, 3, 0.4, true },
+};
+const unsigned calibrate_scene_count = sizeof calibrate_scenes / sizeof *calibrate_scenes;
+
+#define DISTANCE 10.0
+#define FOCAL    2.0 /* over half the picture's side */
+
+/* Evenly over the sphere: the golden angle. */
+static struct vec3 direction(unsigned i, unsigned count)
+{
+    double z = 1 - (2.0 * i + 1) / count, r = sqrt(1 - z * z), turn = 2.399963229728653 * i;
+    return v3(r * cos(turn), r * sin(turn), z);
+}
+
+struct arrays {
+    double (*position)[3];
+    float (*normal)[3], *radius, (*color)[3];
+};
+
+static void fill(const struct calibrate_scene *what, double sphere, const struct arrays *a)
+{
+    unsigned each = what->splats / what->shells;
+    double pixel = DISTANCE / (FOCAL * what->size / 2);
+    for (unsigned i = 0; i < each * what->shells; i++) {
+        struct vec3 n = direction(i % each, each);
+        struct vec3 p = v3_scale(n, sphere * (1 - 0.15 * (i / each)));
+        memcpy(a->position[i], (double[3]){ p.x, p.y, p.z }, sizeof *a->position);
+        memcpy(a->normal[i], (float[3]){ (float)n.x, (float)n.y, (float)n.z }, sizeof *a->normal);
+        memcpy(a->color[i], (float[3]){ 0.5f, 0.7f, (float)(i % 7) / 7 }, sizeof *a->color);
+        a->radius[i] = (float)(what->radius * pixel);
+    }
+}
+
+static enum stp_result add_points(const struct stp_env *env, const struct calibrate_scene *what,
+                                  double sphere, struct stp_scene *scene)
+{
+    size_t n = what->splats;
+    struct arrays a = { mem_alloc(n, sizeof *a.position), mem_alloc(n, sizeof *a.normal),
+                        mem_alloc(n, sizeof *a.radius), mem_alloc(n, sizeof *a.color) };
+    enum stp_result result = STP_OK;
+    if (!a.position || !a.normal || !a.radius || !a.color)
+        result = log_no_memory(env, n * sizeof *a.position, "a scene to calibrate with");
+    if (result == STP_OK) {
+        fill(what, sphere, &a);
+        struct stp_points points = { .count = what->splats / what->shells * what->shells,
+                                     .position = (const double(*)[3])a.position,
+                                     .normal = (const float(*)[3])a.normal,
+                                     .radius = a.radius,
+                                     .color = what->color ? (const float(*)[3])a.color : NULL };
+        result = stp_scene_add_points(env, scene, &points, NULL);
+    }
+    mem_free(a.position);
+    mem_free(a.normal);
+    mem_free(a.radius);
+    mem_free(a.color);
+    return result;
+}
+
+enum stp_result calibrate_scene_make(const struct stp_env *env, const struct calibrate_scene *what,
+                                     struct stp_scene **scene, struct stp_camera *camera)
+{
+    struct stp_scene *made = NULL;
+    struct stp_group_params group = { .overlap = what->overlap };
+    struct stp_prepare_params prepare = { .two_sided = STP_OFF };
+    double half = what->size / 2.0, sphere = what->fill * DISTANCE / FOCAL;
+    enum stp_result result = stp_scene_create(env, &made);
+    if (result == STP_OK)
+        result = add_points(env, what, sphere, made);
+    if (result == STP_OK)
+        result = stp_scene_prepare(env, made, &prepare);
+    if (result == STP_OK)
+        result = stp_scene_group(env, made, &group);
+    if (result != STP_OK) {
+        stp_scene_destroy(&made);
+        return result;
+    }
+    *camera = (struct stp_camera){ .fx = FOCAL * half,
+                                   .fy = FOCAL * half,
+                                   .cx = half,
+                                   .cy = half,
+                                   .width = what->size,
+                                   .height = what->size,
+                                   .near_depth = 0.1,
+                                   .far_depth = INFINITY };
+    for (int i = 0; i < 4; i++)
+        camera->world_to_camera[5 * i] = 1;
+    camera->world_to_camera[11] = -DISTANCE;
+    *scene = made;
+    return STP_OK;
+}

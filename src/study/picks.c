@@ -1,0 +1,84 @@
+/* What auto would take, asked before anything is timed: it joins the sweep. */
+#include "study/study.h"
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "scene/scene.h"
+
+static const double bounds[] = { 1e-2, 3e-3, 1e-3, 1e-4, 1e-5 };
+#define BOUNDS (sizeof bounds / sizeof *bounds)
+_Static_assert(BOUNDS <= REPORT_MAX_PICKS, "a report holds all picks");
+
+/* stp_choose leaves the scene grouped as it chose; the study has groupings of its own. */
+static enum stp_result choose(struct study *study, double bound, struct stp_choice *choice)
+{
+    struct stp_scene *scene = study->scene;
+    struct stp_render_params params = study->params.render;
+    struct stp_group_params group = study->params.group;
+    uint8_t *kept = scene->splats.group;
+    struct stp_grouping facts = scene->facts.grouping;
+    params.max_error = bound;
+    params.samples = params.aovs = 0;
+    group.overlap = 0;
+    scene->splats.group = NULL;
+    scene->facts.grouping = (struct stp_grouping){ 0 };
+    enum stp_result result = stp_choose(&study->quiet, scene, study->camera, &group, &params,
+                                        stp_context_limits(study->context), choice);
+    mem_free(scene->splats.group);
+    scene->splats.group = kept;
+    scene->facts.grouping = facts;
+    return result;
+}
+
+static const struct stp_considered *chosen(const struct stp_choice *choice)
+{
+    for (unsigned i = 0; i < choice->count; i++)
+        if (choice->considered[i].verdict == STP_VERDICT_CHOSEN)
+            return &choice->considered[i];
+    return NULL;
+}
+
+static bool is_row(const struct study_frame *frame, const struct stp_considered *c)
+{
+    bool voronoi = c->overlap == 0 || frame->plan->voronoi == c->voronoi;
+    return frame->config.method == c->method && frame->plan->path == c->path &&
+           frame->plan->payload == c->payload && voronoi && frame->config.overlap == c->overlap &&
+           frame->config.epsilon_scale == 1;
+}
+
+/* The row of what was chosen; a new one where the sweep has none. */
+static enum stp_result find_row(struct study *study, const struct stp_considered *c, unsigned *row)
+{
+    const struct study_config config = { c->method,
+                                         c->path,
+                                         c->method == STP_METHOD_TWO_PASS ? STP_PAYLOAD_AUTO
+                                                                          : c->payload,
+                                         c->overlap > 0 ? c->voronoi : STP_VORONOI_OFF,
+                                         c->overlap,
+                                         1 };
+    for (*row = 0; *row < study->frame_count; (*row)++)
+        if (is_row(&study->frame[*row], c))
+            return STP_OK;
+    return study_try(study, &config);
+}
+
+enum stp_result study_pick(struct study *study)
+{
+    struct stp_choice *choice = mem_alloc(1, sizeof *choice);
+    enum stp_result result =
+        choice ? STP_OK : log_no_memory(study->env, sizeof *choice, "a choice");
+    for (unsigned i = 0; result == STP_OK && i < BOUNDS; i++) {
+        unsigned row = 0;
+        result = choose(study, bounds[i], choice);
+        const struct stp_considered *c = result == STP_OK ? chosen(choice) : NULL;
+        if (!c)
+            break; /* what is transparent is not auto's to choose */
+        result = find_row(study, c, &row);
+        if (result == STP_OK && row < study->frame_count)
+            study->report.pick[study->report.pick_count++] =
+                (struct report_pick){ bounds[i], row, choice->params.prediction.milliseconds,
+                                      choice->params.prediction.error, choice->met };
+    }
+    mem_free(choice);
+    return result;
+}

@@ -1,0 +1,95 @@
+#!/usr/bin/env python3
+"""--max-error: what is decided, what it then costs in error, and the cache of calibrations."""
+import json
+import os
+
+import command
+
+VIEW = ["--size", "128x128", "--min-splat", "0", "--cull", "back"]
+
+
+def key(device, driver, version):
+    """The cache's name for a device: FNV-1a over the strings with their ends."""
+    value = 0xcbf29ce484222325
+    for byte in b"".join(text.encode() + b"\0" for text in (device, driver, version)):
+        value = (value ^ byte) * 0x100000001b3 & (1 << 64) - 1
+    return "calibration-%016x.json" % value
+
+
+class Auto(command.CommandTest):
+    def cache_path(self):
+        profile = self.done_json("devices", "--json")
+        version = self.done("--version").split()[1]
+        return profile, version, os.path.join(
+            self.cache, "stipple", key(profile["device"], profile["driver"], version))
+
+    def fill_cache(self):
+        """As if the device had been calibrated."""
+        profile, version, path = self.cache_path()
+        profile["version"] = version
+        profile["calibration"]["measured"] = True
+        for name in ["api_version", "usable", "lacks"]:
+            del profile[name]
+        os.makedirs(os.path.dirname(path))
+        with open(path, "w", encoding="ascii") as file:
+            json.dump(profile, file)
+        return path
+
+    def why(self, *arguments):
+        text = self.done("plan", "ball.ply", *VIEW, *arguments)
+        self.assertIn("\nconsidered (predicted, the cheapest first):\n", text)
+        return next(line for line in text.splitlines() if line.startswith("why: "))
+
+    def test_plan_says_why(self):
+        for bound in ["1e-4", "6e-6"]:
+            why = self.why("--max-error", bound)
+            self.assertRegex(why, r"predicted: [0-9.e-]+ ms, error at most [0-9.e-]+\)")
+        self.assertIn("two-pass", self.why("--max-error", "6e-6", "--payload", "packed"))
+        self.assertIn("exact", self.why())
+
+    def test_prices_decide(self):
+        profile = self.done_json("devices", "--json")
+        for name, method in [("two-pass compute", "two-pass"), ("exact packed", "exact"),
+                             ("deferred packed", "deferred")]:
+            for kind, prices in profile["calibration"].items():
+                if kind != "measured":
+                    prices.clear()
+                    prices["frame"] = 1e6 if kind == name else 1e8
+            self.write("limits.json", json.dumps(profile))
+            why = self.why("--max-error", "0.5", "--limits", "limits.json")
+            self.assertTrue(why.startswith(f"why: {method} is the cheapest"), why)
+
+    def test_bound_is_kept(self):
+        self.fill_cache()
+        self.done("render", "ball.ply", "-o", "truth.exr", *VIEW, "--method", "reference")
+        for bound in [0.05, 1e-3, 1e-4, 1e-5]:
+            self.done("render", "ball.ply", "-o", "out.exr", *VIEW, "--max-error", str(bound),
+                      "--stats", "stats.json")
+            error = self.done_json("compare", "--json", "out.exr", "truth.exr")
+            self.assertLessEqual(error["covered"]["mean_absolute"], bound)
+            self.assertIn("cheapest within an error of", json.loads(self.read("stats.json"))["plan"])
+
+    def test_calibration_is_kept(self):
+        path = self.fill_cache()
+        with open(path, encoding="ascii") as file:
+            profile = json.load(file)
+        profile["calibration"]["exact id"] = {"frame": 12345}
+        with open(path, "w", encoding="ascii") as file:
+            json.dump(profile, file)
+        shown = self.done_json("devices", "--json")["calibration"]
+        self.assertEqual((shown["measured"], shown["exact id"]), (True, {"frame": 12345}))
+
+    def test_damaged_cache(self):
+        path = self.fill_cache()
+        with open(path, "w", encoding="ascii") as file:
+            file.write('{ "device": ')
+        run = self.run_tool("render", "ball.ply", "-o", "out.exr", *VIEW)
+        self.assertEqual((run.returncode, run.stderr.count("\n")), (0, 1), run.stderr)
+        self.assertIn(os.path.basename(path), run.stderr)
+
+    def test_wrong_bounds(self):
+        for bound in ["0", "-1", "nan", "x", ""]:
+            self.fails(2, ["--max-error"], "render", "ball.ply", "-o", "x.exr", "--max-error", bound)
+
+
+command.main()

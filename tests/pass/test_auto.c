@@ -1,0 +1,120 @@
+/* What auto reckons with, against the device: the probe's errors against those of whole pictures,
+ * and prices from frames that were timed. */
+#include "device.h"
+
+#include "plan/offer.h"
+#include "study/calibrate.h"
+
+static struct device device;
+
+static int open_device(void **state)
+{
+    device_open(&device, 0);
+    return 0;
+}
+
+static int close_device(void **state)
+{
+    device_close(&device);
+    return 0;
+}
+
+/* 900 discs on a sphere, grouped; some colours where asked. */
+static struct stp_scene *sphere(struct stp_camera *camera, double overlap, bool color)
+{
+    const struct calibrate_scene what = { 900, 160, 6, 0.9, 1, overlap, color };
+    struct stp_scene *scene = NULL;
+    assert_int_equal(calibrate_scene_make(&device.env, &what, &scene, camera), STP_OK);
+    return scene;
+}
+
+static double measured_error(const struct stp_scene *scene, const struct stp_plan *plan)
+{
+    struct stp_image *truth = NULL;
+    struct stp_comparison comparison;
+    struct stp_image *image = device_render_plan(&device, scene, plan);
+    assert_int_equal(reference_render(&device.env, scene, &plan->camera, &plan->params, &truth),
+                     STP_OK);
+    assert_int_equal(stp_compare(&device.env, image, truth, NULL, &comparison), STP_OK);
+    stp_image_destroy(&image);
+    stp_image_destroy(&truth);
+    return comparison.covered.mean_absolute;
+}
+
+/* A quarter of every touched block's pixels: the mean over the picture is within what their spread
+ * allows, and within the rounding that auto adds. */
+static void expect_estimate(const struct stp_scene *scene, const struct stp_plan *plan)
+{
+    struct survey survey;
+    struct probe probe;
+    struct probe_error error;
+    assert_int_equal(survey_make(NULL, scene, &plan->camera, &plan->params, &survey), STP_OK);
+    assert_int_equal(probe_make(NULL, scene, &plan->camera, &plan->params, &survey, 100000, &probe),
+                     STP_OK);
+    assert_int_equal(probe_judge(NULL, &probe, plan, plan_offer_of(plan->method)->keep,
+                                 scene->splats.group, false, &error),
+                     STP_OK);
+    double actual = measured_error(scene, plan);
+    double tolerance = 4 * error.spread + plan_rounding(plan);
+    if (fabs(actual - error.mean) > tolerance)
+        fail_msg("%s: measured %g, estimated %g +- %g", plan->why, actual, error.mean, tolerance);
+    probe_release(&probe);
+    survey_release(&survey);
+}
+
+static void test_estimates(void **state)
+{
+    for (int i = 0; i < 4; i++) {
+        struct stp_camera camera;
+        struct stp_scene *scene = sphere(&camera, i & 1 ? 0.8 : 0.4, i & 2);
+        for (unsigned o = 0; o < plan_offer_count; o++) {
+            struct plan_candidate way[PLAN_MAX_OFFERED];
+            unsigned count = plan_offers[o]->candidates(way);
+            for (unsigned k = 0; k < count; k++) {
+                struct stp_plan *plan = NULL;
+                struct stp_render_params params = { .min_splat = -1, .cull = STP_CULL_BACK };
+                params.method = way[k].method;
+                params.path = way[k].path;
+                params.payload = way[k].payload;
+                params.voronoi = way[k].voronoi;
+                if (way[k].overlap > 0 && way[k].overlap != 0.4)
+                    continue; /* the scene has one grouping */
+                assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+                expect_estimate(scene, plan);
+                stp_plan_destroy(&plan);
+            }
+        }
+        stp_scene_destroy(&scene);
+    }
+}
+
+/* Every kind that applies gets prices, which predict the frames they came from in order of size. */
+static void test_prices(void **state)
+{
+    const struct calibrate_scene scenes[] = { { 500, 64, 4, 0.9, 1, 0.4, false },
+                                              { 3000, 128, 3, 0.9, 1, 0.6, false },
+                                              { 500, 64, 4, 0.9, 1, 0.4, true } };
+    struct stp_calibration calibration;
+    assert_int_equal(calibrate_measure(&device.env, device.context, scenes, 3, &calibration),
+                     STP_OK);
+    assert_true(calibration.measured);
+    for (unsigned kind = 0; plan_cost_name(kind); kind++) {
+        double sum = 0;
+        for (unsigned term = 0; term < PLAN_TERMS; term++) {
+            assert_true(calibration.ns[kind][term] >= 0);
+            sum += calibration.ns[kind][term];
+        }
+        if (!(sum > 0) || !isfinite(sum))
+            fail_msg("no price of %s", plan_cost_name(kind));
+    }
+    assert_int_equal(device.lines, 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_estimates),
+        cmocka_unit_test(test_prices),
+    };
+    return cmocka_run_group_tests(tests, open_device, close_device);
+}

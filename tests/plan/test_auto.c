@@ -1,0 +1,302 @@
+/* What auto decides, under prices that are made up. */
+#include "plans.h"
+
+#include "base/memory.h"
+#include "plan/offer.h"
+
+/* A wavy sheet of 40 x 40 discs that overlap: enough for errors and groups. */
+static struct inputs wavy(void)
+{
+    struct inputs in = { .scene = scene_make(1600, 1, 0.06),
+                         .camera = plain_camera(160, 120, 150) };
+    for (int i = 0; i < 1600; i++) {
+        double x = i % 40 * 0.05 - 1, y = i / 40 * 0.05 - 1;
+        scene_add(in.scene, v3(x, y, -3 + 0.1 * sin(4 * x + y)), v3(-0.4 * cos(4 * x + y), 0.1, 1),
+                  0.06);
+    }
+    scene_finish(in.scene);
+    in.params.min_splat = -1;
+    stp_limits_lavapipe(&in.limits);
+    memset(&in.limits.calibration, 0, sizeof in.limits.calibration);
+    return in;
+}
+
+/* So many milliseconds a frame, and of deferred also a little for every layer, so that fewer groups
+ * are cheaper. */
+static void price(struct inputs *in, enum plan_cost kind, double ms)
+{
+    in->limits.calibration.ns[kind][PLAN_TERM_FRAME] = ms * 1e6;
+    if (kind >= PLAN_COST_DEFERRED_PACKED)
+        in->limits.calibration.ns[kind][PLAN_TERM_DEEP] = 5.7; /* 0.11 ms a layer */
+}
+
+static void price_all(struct inputs *in, double deferred, double exact, double two_pass)
+{
+    price(in, PLAN_COST_DEFERRED_PACKED, deferred);
+    price(in, PLAN_COST_EXACT_PACKED, exact);
+    price(in, PLAN_COST_EXACT_ID, exact * 3);
+    price(in, PLAN_COST_TWO_PASS, two_pass);
+    price(in, PLAN_COST_TWO_PASS_RASTER, two_pass * 2);
+}
+
+static struct stp_choice choose(const struct inputs *in)
+{
+    struct stp_choice choice;
+    struct stp_group_params group = { 0 };
+    assert_int_equal(
+        stp_choose(NULL, in->scene, &in->camera, &group, &in->params, &in->limits, &choice),
+        STP_OK);
+    return choice;
+}
+
+/* The mean absolute error of the plan's groups: by other means, as if all pixels were probed. */
+static double whole_error(const struct inputs *in, const struct stp_choice *choice)
+{
+    struct survey survey;
+    struct probe probe;
+    struct probe_error error;
+    struct stp_plan *plan = NULL;
+    assert_int_equal(survey_make(NULL, in->scene, &in->camera, &in->params, &survey), STP_OK);
+    assert_int_equal(probe_make(NULL, in->scene, &in->camera, &in->params, &survey, 100000, &probe),
+                     STP_OK);
+    assert_int_equal(
+        stp_plan_create(NULL, in->scene, &in->camera, &choice->params, &in->limits, &plan), STP_OK);
+    assert_int_equal(probe_judge(NULL, &probe, plan, plan_offer_of(plan->method)->keep,
+                                 in->scene->splats.group, false, &error),
+                     STP_OK);
+    stp_plan_destroy(&plan);
+    probe_release(&probe);
+    survey_release(&survey);
+    return error.mean;
+}
+
+/* The cheapest that meets the bound: deferred while it does, at the fewest groups; then exact; then
+ * two-pass. */
+static void test_bounds(void **state)
+{
+    static const struct {
+        double bound;
+        enum stp_method method;
+    } cases[] = { { 0.1, STP_METHOD_DEFERRED },
+                  { 0.005, STP_METHOD_DEFERRED },
+                  { 6e-5, STP_METHOD_EXACT },
+                  { 5e-6, STP_METHOD_TWO_PASS } };
+    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct inputs in = wavy();
+        price_all(&in, 1, 2, 5);
+        in.params.max_error = cases[i].bound;
+        struct stp_choice choice = choose(&in);
+        assert_true(choice.met);
+        assert_int_equal(choice.params.method, cases[i].method);
+        assert_int_equal(in.scene->facts.grouping.groups > 0,
+                         cases[i].method == STP_METHOD_DEFERRED);
+        assert_true(whole_error(&in, &choice) <= cases[i].bound);
+        assert_true(choice.params.prediction.error <= cases[i].bound);
+        assert_true(choice.params.prediction.bound == cases[i].bound);
+        release_inputs(&in);
+    }
+}
+
+/* Where another is cheaper, no groups are sought though they would do. */
+static void test_prices(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 3, 2, 5);
+    in.params.max_error = 0.1;
+    assert_int_equal(choose(&in).params.method, STP_METHOD_EXACT);
+    assert_null(in.scene->splats.group);
+    price_all(&in, 3, 2, 1.5);
+    struct stp_choice choice = choose(&in);
+    assert_int_equal(choice.params.method, STP_METHOD_TWO_PASS);
+    assert_int_equal(choice.params.path, STP_PATH_COMPUTE);
+    price(&in, PLAN_COST_TWO_PASS_RASTER, 0.5);
+    assert_int_equal(choose(&in).params.path, STP_PATH_RASTER);
+    in.params.path = STP_PATH_COMPUTE; /* asked for */
+    assert_int_equal(choose(&in).params.path, STP_PATH_COMPUTE);
+    in.params.samples = 4; /* which the rasteriser has not */
+    in.params.path = STP_PATH_AUTO;
+    choice = choose(&in);
+    assert_int_equal(choice.params.path, STP_PATH_COMPUTE);
+    assert_true(fabs(choice.params.prediction.milliseconds - 4 * 1.5) < 1e-9);
+    release_inputs(&in);
+}
+
+/* Without a bound, groups cost more than a picture, however cheap it would be with them. */
+static void test_one_picture(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 0.001, 2, 5);
+    struct stp_choice choice = choose(&in);
+    assert_int_equal(choice.params.method, STP_METHOD_EXACT);
+    assert_true(choice.params.prediction.bound == STP_DEFAULT_MAX_ERROR);
+    for (unsigned i = 0; i < choice.count; i++)
+        assert_int_equal(choice.considered[i].overlap, 0);
+    release_inputs(&in);
+}
+
+/* Every way that was considered, by price; one of them chosen; what is beyond the bound is so. */
+static void test_considered(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 1, 2, 5);
+    in.params.max_error = 6e-5;
+    struct stp_choice choice = choose(&in);
+    unsigned chosen = 0, inexact = 0;
+    for (unsigned i = 0; i < choice.count; i++) {
+        const struct stp_considered *c = &choice.considered[i];
+        assert_true(i == 0 || c->milliseconds >= choice.considered[i - 1].milliseconds);
+        chosen += c->verdict == STP_VERDICT_CHOSEN;
+        inexact += c->verdict == STP_VERDICT_INEXACT;
+        assert_true(c->verdict != STP_VERDICT_INEXACT || c->error > 6e-5);
+    }
+    assert_int_equal(chosen, 1);
+    assert_true(inexact >= 2);
+    release_inputs(&in);
+}
+
+static void test_fixed(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 1, 2, 5);
+    in.params.max_error = 0.1;
+    in.params.method = STP_METHOD_TWO_PASS;
+    assert_int_equal(choose(&in).params.method, STP_METHOD_TWO_PASS);
+    in.params.method = STP_METHOD_DEFERRED;
+    struct stp_group_params group = { .overlap = 0.7 };
+    struct stp_choice choice;
+    assert_int_equal(
+        stp_choose(NULL, in.scene, &in.camera, &group, &in.params, &in.limits, &choice), STP_OK);
+    assert_true(in.scene->facts.grouping.overlap == 0.7);
+    assert_int_equal(choice.params.method, STP_METHOD_DEFERRED);
+    release_inputs(&in);
+}
+
+/* The same for any number of threads, and again for a scene that is grouped already. */
+static void test_same(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 1, 2, 5);
+    in.params.max_error = 0.01;
+    struct stp_choice first = choose(&in);
+    for (unsigned threads = 1; threads < 5; threads++) {
+        struct stp_env env = { .threads = threads };
+        struct stp_choice again;
+        memset(&again, 0, sizeof again);
+        assert_int_equal(
+            stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &again), STP_OK);
+        assert_int_equal(again.count, first.count);
+        assert_true(again.params.prediction.error == first.params.prediction.error);
+        assert_true(again.params.prediction.milliseconds == first.params.prediction.milliseconds);
+        assert_int_equal(again.params.voronoi, first.params.voronoi);
+    }
+    release_inputs(&in);
+}
+
+static void test_sentence(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 1, 2, 5);
+    in.params.max_error = 0.0125;
+    struct stp_choice choice = choose(&in);
+    struct stp_plan *plan = NULL;
+    assert_int_equal(stp_plan_create(NULL, in.scene, &in.camera, &choice.params, &in.limits, &plan),
+                     STP_OK);
+    assert_non_null(strstr(plan->why, "the cheapest within an error of 0.0125"));
+    assert_non_null(strstr(plan->why, " ms, error at most "));
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+/* Nothing meets it: the most exact, and a line that says so. */
+static void test_unmet(void **state)
+{
+    struct inputs in = wavy();
+    struct plan_log log = { 0 };
+    struct stp_env env = { .log = plan_keep_line, .user = &log };
+    struct stp_choice choice;
+    price_all(&in, 1, 2, 5);
+    in.params.max_error = 1e-9;
+    assert_int_equal(stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice),
+                     STP_OK);
+    assert_false(choice.met);
+    assert_int_equal(choice.params.method, STP_METHOD_TWO_PASS);
+    assert_int_equal(log.lines, 1);
+    assert_non_null(strstr(log.last, "1e-09"));
+    release_inputs(&in);
+}
+
+/* A scene in HDR: what is little of its colours is much in absolute terms. */
+static void test_bright(void **state)
+{
+    struct inputs in = wavy();
+    color_inputs(&in);
+    price_all(&in, 1, 2, 5);
+    price(&in, PLAN_COST_EXACT_PACKED_IDS, 2);
+    price(&in, PLAN_COST_TWO_PASS_COLOR, 5);
+    for (int i = 0; i < 1600; i++)
+        scene_paint(in.scene, (size_t)i, 30, 20, 10);
+    in.scene->facts.color_max = 30;
+    in.params.max_error = 6e-5;
+    assert_int_equal(choose(&in).params.method, STP_METHOD_TWO_PASS);
+    release_inputs(&in);
+}
+
+static void test_refused(void **state)
+{
+    struct plan_log log = { 0 };
+    struct stp_env env = { .log = plan_keep_line, .user = &log };
+    struct stp_choice choice = { .count = 77 };
+    struct inputs in = wavy();
+    in.params.method = STP_METHOD_EXACT; /* which has no raster path */
+    in.params.path = STP_PATH_RASTER;
+    assert_int_equal(stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice),
+                     STP_OK);
+    assert_int_equal(choice.count, 0); /* the plan says why */
+    assert_int_equal(choice.params.method, STP_METHOD_EXACT);
+    choice.count = 77;
+    in.params = (struct stp_render_params){ .max_error = NAN };
+    assert_int_equal(stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice),
+                     STP_ERROR_ARGUMENT);
+    in.params = (struct stp_render_params){ .method = STP_METHOD_REFERENCE };
+    assert_int_equal(stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice),
+                     STP_ERROR_ARGUMENT);
+    assert_int_equal(log.lines, 2);
+    assert_int_equal(choice.count, 77);
+    release_inputs(&in);
+}
+
+static void test_no_memory(void **state)
+{
+    enum stp_result result = STP_ERROR_MEMORY;
+    for (unsigned long n = 1; result != STP_OK; n++) {
+        struct inputs in = wavy();
+        struct plan_log log = { 0 };
+        struct stp_env env = { .threads = 1, .log = plan_keep_line, .user = &log };
+        struct stp_choice choice = { .count = 77 };
+        price_all(&in, 1, 2, 5);
+        in.params.max_error = 0.01;
+        mem_fail_at(n);
+        result = stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice);
+        mem_fail_at(0);
+        assert_true(result == STP_OK || result == STP_ERROR_MEMORY);
+        if (result != STP_OK) {
+            assert_int_equal(log.lines, 1);
+            assert_int_equal(choice.count, 77);
+            assert_null(in.scene->splats.group);
+        }
+        release_inputs(&in);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_bounds),      cmocka_unit_test(test_prices),
+        cmocka_unit_test(test_one_picture), cmocka_unit_test(test_considered),
+        cmocka_unit_test(test_fixed),       cmocka_unit_test(test_same),
+        cmocka_unit_test(test_sentence),    cmocka_unit_test(test_unmet),
+        cmocka_unit_test(test_bright),      cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_no_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

@@ -1,0 +1,94 @@
+/* Prices from measurements: known prices are found again, and what is found is a minimum. */
+#include "plans.h"
+
+#include "plan/fit.h"
+
+#define ROWS  24
+#define TERMS 6
+
+static void make_amounts(uint32_t *state, double amount[ROWS * TERMS])
+{
+    for (int i = 0; i < ROWS * TERMS; i++)
+        amount[i] = floor(uniform(state) * pow(10, 1 + i % TERMS)); /* scales far apart */
+}
+
+static void test_known_prices(void **state)
+{
+    uint32_t seed = 7;
+    for (int trial = 0; trial < 50; trial++) {
+        double amount[ROWS * TERMS], known[TERMS], measured[ROWS], price[TERMS];
+        make_amounts(&seed, amount);
+        for (int t = 0; t < TERMS; t++)
+            known[t] = uniform(&seed) < 0.3 ? 0 : uniform(&seed) * pow(10, -t);
+        known[trial % TERMS] = 1;
+        for (int i = 0; i < ROWS; i++) {
+            measured[i] = 1e-3;
+            for (int t = 0; t < TERMS; t++)
+                measured[i] += amount[i * TERMS + t] * known[t];
+        }
+        fit_prices(ROWS, TERMS, amount, measured, price);
+        for (int i = 0; i < ROWS; i++) {
+            double predicted = 0;
+            for (int t = 0; t < TERMS; t++)
+                predicted += amount[i * TERMS + t] * price[t];
+            assert_true(fabs(predicted - measured[i]) <= 0.01 * measured[i]);
+        }
+    }
+}
+
+static double slope(const double *amount, const double *measured, const double *price, int term)
+{
+    double sum = 0;
+    for (int i = 0; i < ROWS; i++) {
+        double predicted = 0;
+        for (int t = 0; t < TERMS; t++)
+            predicted += amount[i * TERMS + t] * price[t];
+        sum += (predicted - measured[i]) / measured[i] * amount[i * TERMS + term] / measured[i];
+    }
+    return sum;
+}
+
+static double length(const double *amount, const double *measured, int term)
+{
+    double sum = 0;
+    for (int i = 0; i < ROWS; i++)
+        sum += pow(amount[i * TERMS + term] / measured[i], 2);
+    return sqrt(sum);
+}
+
+/* Karush, Kuhn, Tucker: no slope where the price is positive, none downwards where it is 0. */
+static void test_minimum(void **state)
+{
+    uint32_t seed = 11;
+    for (int trial = 0; trial < 50; trial++) {
+        double amount[ROWS * TERMS], measured[ROWS], price[TERMS];
+        make_amounts(&seed, amount);
+        for (int i = 0; i < ROWS; i++)
+            measured[i] = 0.5 + uniform(&seed) * 100; /* as good as noise */
+        fit_prices(ROWS, TERMS, amount, measured, price);
+        for (int t = 0; t < TERMS; t++) {
+            double s = slope(amount, measured, price, t) / length(amount, measured, t);
+            assert_true(price[t] >= 0 && isfinite(price[t]));
+            assert_true(s > -1e-5 && (price[t] == 0 || s < 1e-5));
+        }
+    }
+}
+
+static void test_absent_term(void **state)
+{
+    const double amount[] = { 2, 0, 4, 0, 6, 0 }, measured[] = { 1, 2, 3 };
+    double price[2] = { -1, -1 };
+    fit_prices(3, 2, amount, measured, price);
+    assert_true(fabs(price[0] - 0.5) < 1e-9);
+    assert_true(price[1] == 0);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_known_prices),
+        cmocka_unit_test(test_minimum),
+        cmocka_unit_test(test_absent_term),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

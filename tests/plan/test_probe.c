@@ -1,0 +1,252 @@
+/* The probe against the reference's whole picture, and against winners found by other code. */
+#include "plans.h"
+
+#include "base/memory.h"
+#include "plan/offer.h"
+
+#define EPSILON 0.3
+
+struct bed {
+    struct stp_scene *scene;
+    struct stp_camera camera;
+    struct stp_render_params params;
+    struct stp_limits limits;
+    struct survey survey;
+    struct probe probe;
+};
+
+static struct bed bed_with(uint32_t seed, size_t count, unsigned cells, double epsilon)
+{
+    struct bed bed = { .scene = scene_random(seed, count, epsilon),
+                       .camera = hard_view(0, 121, 75),
+                       .params = { .min_splat = -1 } };
+    stp_limits_lavapipe(&bed.limits);
+    bed.scene->splats.group = calloc(count, 1);
+    bed.scene->facts.grouping = (struct stp_grouping){ .groups = 1, .overlap = 0.4 };
+    assert_int_equal(survey_make(NULL, bed.scene, &bed.camera, &bed.params, &bed.survey), STP_OK);
+    assert_int_equal(
+        probe_make(NULL, bed.scene, &bed.camera, &bed.params, &bed.survey, cells, &bed.probe),
+        STP_OK);
+    return bed;
+}
+
+static struct bed bed_make(uint32_t seed, size_t count, unsigned cells)
+{
+    return bed_with(seed, count, cells, EPSILON);
+}
+
+static void bed_release(struct bed *bed)
+{
+    probe_release(&bed->probe);
+    survey_release(&bed->survey);
+    stp_scene_destroy(&bed->scene);
+}
+
+static size_t pixel_of(const struct bed *bed, size_t i)
+{
+    const struct vec3 d = bed->probe.ray[i].along;
+    long x = lround(d.x * bed->camera.fx + bed->camera.cx - 0.5);
+    long y = lround(-d.y * bed->camera.fy + bed->camera.cy - 0.5);
+    return x < bed->camera.width && y < bed->camera.height
+               ? (size_t)y * bed->camera.width + (size_t)x
+               : SIZE_MAX;
+}
+
+/* Every probed pixel is the reference's, covered or not; most touched blocks have a cell. */
+static void test_truth(void **state)
+{
+    for (uint32_t seed = 1; seed <= 5; seed++) {
+        struct bed bed = bed_make(seed, 400, 10000);
+        struct stp_image *image = NULL;
+        assert_int_equal(reference_render(NULL, bed.scene, &bed.camera, &bed.params, &image),
+                         STP_OK);
+        assert_true(bed.probe.cells == bed.survey.touched / 64);
+        for (size_t i = 0; i < bed.probe.pixels; i++) {
+            size_t at = pixel_of(&bed, i);
+            bool covered = bed.probe.first[i + 1] > bed.probe.first[i];
+            if (at == SIZE_MAX) {
+                assert_false(covered);
+                continue;
+            }
+            assert_int_equal(covered, stp_image_find(image, "A")->data.f[at] > 0);
+            for (int k = 0; k < 3; k++)
+                assert_true(
+                    fabs(stp_image_find(image, (const char *[]){ "R", "G", "B" }[k])->data.f[at] -
+                         bed.probe.truth[3 * i + k]) < 1e-6);
+        }
+        stp_image_destroy(&image);
+        bed_release(&bed);
+    }
+}
+
+static struct stp_plan *plan_for(const struct bed *bed, enum stp_method method,
+                                 enum stp_payload payload, enum stp_voronoi voronoi)
+{
+    struct stp_plan *plan = NULL;
+    struct stp_render_params params = bed->params;
+    params.method = method;
+    params.payload = payload;
+    params.voronoi = voronoi;
+    assert_int_equal(stp_plan_create(NULL, bed->scene, &bed->camera, &params, &bed->limits, &plan),
+                     STP_OK);
+    return plan;
+}
+
+static struct probe_error judge_of(const struct bed *bed, const struct stp_plan *plan)
+{
+    struct probe_error error;
+    const struct plan_offer *offer = plan_offer_of(plan->method);
+    assert_int_equal(
+        probe_judge(NULL, &bed->probe, plan, offer->keep, bed->scene->splats.group, false, &error),
+        STP_OK);
+    return error;
+}
+
+/* Methods that keep everything differ by the bits that they keep. */
+static void test_exact_methods(void **state)
+{
+    struct bed bed = bed_make(2, 400, 100);
+    static const struct {
+        enum stp_method method;
+        enum stp_payload payload;
+        double least, most;
+    } cases[] = { { STP_METHOD_TWO_PASS, STP_PAYLOAD_AUTO, 0, 1e-12 },
+                  { STP_METHOD_EXACT, STP_PAYLOAD_ID, 1e-9, 2e-5 },
+                  { STP_METHOD_EXACT, STP_PAYLOAD_PACKED, 1e-6, 1e-4 } };
+    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct stp_plan *plan =
+            plan_for(&bed, cases[i].method, cases[i].payload, STP_VORONOI_DEFAULT);
+        struct probe_error error = judge_of(&bed, plan);
+        assert_true(error.mean >= cases[i].least && error.mean <= cases[i].most);
+        assert_true(error.pixels > 100 && error.spread <= error.mean);
+        stp_plan_destroy(&plan);
+    }
+    bed_release(&bed);
+}
+
+/* One group for all: the survivor of each pixel, by its definition. */
+static size_t winner(const struct probe_fragment *f, size_t count, double low,
+                     enum stp_voronoi voronoi)
+{
+    size_t best = 0;
+    double near = INFINITY;
+    for (size_t i = 0; i < count; i++)
+        near = fmin(near, f[i].depth);
+    for (size_t i = 0; i < count; i++) {
+        bool better;
+        double slab = floor((f[i].depth - low) / EPSILON),
+               slab_best = floor((f[best].depth - low) / EPSILON);
+        if (voronoi == STP_VORONOI_OFF)
+            better = f[i].depth < f[best].depth;
+        else if (voronoi == STP_VORONOI_SLAB)
+            better = slab < slab_best || (slab == slab_best && f[i].rho2 < f[best].rho2);
+        else
+            better = f[i].depth <= near + EPSILON &&
+                     (f[best].depth > near + EPSILON || f[i].rho2 < f[best].rho2);
+        best = better ? i : best;
+    }
+    return best;
+}
+
+static void check_winners(const struct bed *bed, enum stp_voronoi voronoi)
+{
+    struct stp_plan *plan = plan_for(bed, STP_METHOD_DEFERRED, STP_PAYLOAD_ID, voronoi);
+    struct probe_fragment scratch[400];
+    assert_int_equal(plan->voronoi, voronoi);
+    size_t wrong = 0, seen = 0;
+    double low = plan->frame.depth_low;
+    for (size_t i = 0; i < bed->probe.pixels; i++) {
+        size_t first = bed->probe.first[i], count = bed->probe.first[i + 1] - first;
+        if (!count)
+            continue;
+        memcpy(scratch, &bed->probe.fragment[first], count * sizeof *scratch);
+        plan_deferred_offer.keep(plan, scratch, count);
+        size_t kept = 0;
+        for (size_t k = 0; k < count; k++)
+            kept += scratch[k].kept;
+        assert_int_equal(kept, 1);
+        seen++;
+        wrong += !scratch[winner(&bed->probe.fragment[first], count, low, voronoi)].kept;
+    }
+    assert_true(seen > 500);
+    assert_true(wrong <= seen / 100); /* rho of a slab has 14 bits: near ties may fall either way */
+    stp_plan_destroy(&plan);
+}
+
+static void test_winners(void **state)
+{
+    struct bed bed = bed_make(3, 300, 10000);
+    check_winners(&bed, STP_VORONOI_OFF);
+    check_winners(&bed, STP_VORONOI_SLAB);
+    check_winners(&bed, STP_VORONOI_EXACT);
+    bed_release(&bed);
+}
+
+/* A group each: nothing is lost. All in one: much is, and more without Voronoi than with. */
+static void test_groups(void **state)
+{
+    struct bed bed = bed_with(4, 60, 10000, 5);
+    struct stp_plan *plan = plan_for(&bed, STP_METHOD_DEFERRED, STP_PAYLOAD_ID, STP_VORONOI_SLAB);
+    double one = judge_of(&bed, plan).mean;
+    for (size_t i = 0; i < 60; i++)
+        bed.scene->splats.group[i] = (uint8_t)i;
+    assert_true(judge_of(&bed, plan).mean < 1e-12);
+    assert_true(one > 1e-4);
+    stp_plan_destroy(&plan);
+    bed_release(&bed);
+}
+
+/* What is sampled stands for all: within four standard errors of the whole. */
+static void test_sampling(void **state)
+{
+    struct bed whole = bed_make(5, 2000, 10000), part = bed_make(5, 2000, 40);
+    struct stp_plan *plan = plan_for(&whole, STP_METHOD_DEFERRED, STP_PAYLOAD_ID, STP_VORONOI_SLAB);
+    struct probe_error all = judge_of(&whole, plan), some = judge_of(&part, plan);
+    assert_int_equal(part.probe.cells, 40);
+    assert_true(some.spread > all.spread);
+    assert_true(fabs(some.mean - all.mean) < 4 * some.spread);
+    stp_plan_destroy(&plan);
+    bed_release(&whole);
+    bed_release(&part);
+}
+
+static void ignore(void *user, enum stp_log_level level, const char *line)
+{
+}
+
+static void test_no_memory(void **state)
+{
+    struct bed bed = bed_make(6, 100, 10);
+    struct stp_env env = { .threads = 1, .log = ignore };
+    struct stp_plan *plan = plan_for(&bed, STP_METHOD_EXACT, STP_PAYLOAD_ID, STP_VORONOI_DEFAULT);
+    enum stp_result result = STP_ERROR_MEMORY;
+    for (unsigned long n = 1; result != STP_OK; n++) {
+        struct probe probe = { 0 };
+        struct probe_error error;
+        struct stp_group_params group = { .overlap = 0.6 };
+        struct stp_grouping facts;
+        uint8_t *groups = NULL;
+        mem_fail_at(n);
+        result = probe_make(&env, bed.scene, &bed.camera, &bed.params, &bed.survey, 10, &probe);
+        if (result == STP_OK)
+            result = probe_judge(&env, &probe, plan, plan_exact_offer.keep, NULL, false, &error);
+        if (result == STP_OK)
+            result = probe_group(&env, &probe, &group, &groups, &facts);
+        mem_fail_at(0);
+        assert_true(result == STP_OK || result == STP_ERROR_MEMORY);
+        mem_free(groups);
+        probe_release(&probe);
+    }
+    stp_plan_destroy(&plan);
+    bed_release(&bed);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_truth),    cmocka_unit_test(test_exact_methods),
+        cmocka_unit_test(test_winners),  cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_sampling), cmocka_unit_test(test_no_memory),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}

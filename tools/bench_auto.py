@@ -1,0 +1,215 @@
+#!/usr/bin/env python3
+"""What auto takes, and what features cost, as Markdown tables.
+
+  tools/bench_auto.py auto FILE...      what --max-error takes for bounds from 1e-2 to 1e-5, beside
+                                        the fastest of `stipple report --quick` within each bound:
+                                        all in one process a model, interleaved (docs/results/auto.md)
+  tools/bench_auto.py bounds FILE...    what --max-error takes, and the error of the picture that it gives:
+                                        no times, so that any machine will do
+  tools/bench_auto.py features FILE     resources, passes, constants, bytes and milliseconds of each
+                                        feature off and on (docs/results/features.md); --rounds 0:
+                                        all but the milliseconds
+  tools/bench_auto.py reports DIR FILE...
+                                        the whole `stipple report` of every model, into DIR/report-MODEL
+
+auto and reports: 1024 x 1024, back faces culled, no screen-space floor, the automatic view. Where the
+device was calibrated its own prices are used (stipple devices --calibrate), else the built-in ones.
+"""
+import argparse
+import csv
+import json
+import os
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
+VIEW = ["--size", "1024x1024", "--cull", "back", "--min-splat", "0", "-q"]
+
+
+def stipple(*arguments):
+    return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+# --- auto ------------------------------------------------------------------------------------------
+
+def way(pick, prefix=""):
+    words = [pick[prefix + "method"], pick[prefix + "path"]]
+    if pick[prefix + "overlap"]:
+        words.append("c " + pick[prefix + "overlap"])
+    if pick[prefix + "voronoi"]:
+        words.append(pick[prefix + "voronoi"])
+    if pick[prefix + "payload"]:
+        words.append(pick[prefix + "payload"])
+    return " ".join(words)
+
+
+def verdict(pick):
+    """Within 15 % of the fastest, or within the spread of the two times."""
+    if pick["best_ms"] == "":
+        return "-", True
+    ms, best = float(pick["ms"]), float(pick["best_ms"])
+    spread = float(pick["ms_quartile1"]) <= float(pick["best_ms_quartile3"])
+    near = ms <= 1.15 * best or spread
+    return f"{ms / best:.2f}" + ("" if near else " **slower**"), near
+
+
+def auto(models, rounds):
+    print("| model | bound | taken | ms, predicted | ms | error, at most | error | fastest within the "
+          "bound | ms | ratio |\n|---|---:|---|---:|---:|---:|---:|---|---:|---:|")
+    total = near = kept = 0
+    for model in models:
+        with tempfile.TemporaryDirectory() as folder:
+            stipple("report", model, "-o", folder, "--quick", "--rounds", str(rounds), *VIEW)
+            with open(os.path.join(folder, "auto.csv"), newline="", encoding="ascii") as file:
+                picks = list(csv.DictReader(file))
+        for pick in picks:
+            ratio, good = verdict(pick)
+            total, near = total + 1, near + good
+            inside = float(pick["error"]) <= float(pick["bound"])
+            kept += inside
+            best = way(pick, "best_") if pick["best_ms"] else "none"
+            print(f"| {os.path.basename(model)} | {float(pick['bound']):g} | {way(pick)} | "
+                  f"{float(pick['predicted_ms']):.1f} | {float(pick['ms']):.1f} | "
+                  f"{float(pick['predicted_error']):.2g} | {float(pick['error']):.2g}"
+                  f"{'' if inside else ' **beyond**'} | "
+                  f"{'the same' if best == way(pick) else best} | "
+                  f"{float(pick['best_ms'] or 'nan'):.1f} | {ratio} |", flush=True)
+    print(f"\n{kept} of {total} choices are within their bound; {near} of {total} within 15 % of the "
+          "fastest, or within the quartiles of the two times.")
+
+
+# --- bounds ----------------------------------------------------------------------------------------
+
+BOUNDS = ["1e-2", "3e-3", "1e-3", "1e-4", "1e-5"]
+SMALL = ["--size", "800x600", "-q"]
+
+
+def taken(text):
+    """From the plan's text: what was taken, and the error that was predicted."""
+    why = re.search(r"^why: (.*)$", text, re.M).group(1)
+    overlap = re.search(r"(\d+) groups at overlap ([0-9.]+)", why)
+    words = re.search(r"^method (\S+), path (\S+),", text, re.M).groups()
+    most = re.search(r"error at most ([-0-9.e]+)\)", why)
+    packed = " packed" if re.search(r" packed=1", text) else ""
+    groups = f" c {overlap[2]}, K = {overlap[1]}" if overlap else ""
+    return " ".join(words) + packed + groups, most[1] if most else "-"
+
+
+def bounds(models):
+    print("| model | bound | taken | error, at most | error |\n|---|---:|---|---:|---:|")
+    total = kept = 0
+    for model in models:
+        with tempfile.TemporaryDirectory() as folder:
+            truth, out, stats = (os.path.join(folder, n) for n in ["t.exr", "o.exr", "s.json"])
+            stipple("render", model, "-o", truth, "--method", "reference", *SMALL)
+            for bound in BOUNDS:
+                stipple("render", model, "-o", out, "--max-error", bound, "--stats", stats, *SMALL)
+                with open(stats, encoding="utf-8") as file:
+                    what, most = taken(json.load(file)["plan"])
+                error = json.loads(stipple("compare", "--json", out, truth))["covered"]
+                inside = error["mean_absolute"] <= float(bound)
+                total, kept = total + 1, kept + inside
+                print(f"| {os.path.basename(model)} | {bound} | {what} | {most} | "
+                      f"{error['mean_absolute']:.2g}{'' if inside else ' **beyond**'} |", flush=True)
+    print(f"\n{kept} of {total} pictures are within their bound.")
+
+
+# --- features --------------------------------------------------------------------------------------
+
+PLAIN = ["--two-sided", "off", "--min-splat", "0", "--size", "1024x1024", "-q"]
+FEATURES = [
+    ("two-sided", ["--two-sided", "on"]),
+    ("screen-space floor", ["--min-splat", "1.5"]), ("culling", ["--cull", "back"]),
+    ("Gauss kernel", ["--kernel", "gauss"]), ("orthographic", ["--ortho"]),
+    ("local viewer", ["--local-viewer"]), ("background", ["--background", "0.2,0.2,0.2"]),
+    ("AOV albedo", ["--aov", "albedo"]), ("AOV P", ["--aov", "P"]),
+    ("AOV weight", ["--aov", "weight"]), ("AOV fragments", ["--aov", "fragments"]),
+    ("AOV coverage", ["--aov", "coverage"]), ("AOV id", ["--aov", "id"]),
+    ("AOV layers", ["--aov", "layers"]), ("4 samples", ["--samples", "4"]),
+]
+
+
+def plan(model, options, folder):
+    """Constants, resources with their bytes, passes: of the plan's text."""
+    path = os.path.join(folder, "s.json")
+    stipple("render", model, *options, "--stats", path)
+    with open(path, encoding="utf-8") as file:
+        text = json.load(file)["plan"]
+    constants = dict(re.findall(r" (\w+)=(\d+)", re.search(r"^constants:.*$", text, re.M).group(0)))
+    resources = {(m[1] + " " + m[2]): int(m[3]) for m in
+                 re.finditer(r"^  (\S.*?) +(scene|transient|output) .* (\d+) bytes$", text, re.M)}
+    passes = re.findall(r"^  (?:fill|reset|dispatch\*?|draw) +(.+?)(?: reads |; writes |$)", text, re.M)
+    return constants, resources, [name.strip() for name in passes]
+
+
+def difference(off, on):
+    words = [f"{name} {off[0].get(name, 0)} to {on[0].get(name, 0)}"
+             for name in sorted({*off[0], *on[0]}) if off[0].get(name) != on[0].get(name)]
+    added = [name for name in on[1] if name not in off[1]]
+    gone = [name for name in off[1] if name not in on[1]]
+    passes = [name for name in on[2] if name not in off[2]]
+    return ", ".join(words) or "-", ", ".join(["+" + n for n in added] + ["-" + n for n in gone] +
+                                              ["+" + n + " (pass)" for n in passes]) or "-"
+
+
+def frame(model, options, folder):
+    path = os.path.join(folder, "s.json")
+    stipple("render", model, *options, "--repeat", "9", "--stats", path)
+    with open(path, encoding="utf-8") as file:
+        return json.load(file)["frame_ms"]["median"]
+
+
+def features(model, method, rounds):
+    with tempfile.TemporaryDirectory() as folder:
+        base = [*PLAIN, "--method", method]
+        off = plan(model, base, folder)
+        print(f"Method {method}, nothing on: {len(off[1])} resources of {sum(off[1].values())} bytes, "
+              f"{len(off[2])} passes.\n\n"
+              "| feature | constants | resources and passes | bytes more | ms off | ms on | ratio |\n"
+              "|---|---|---|---:|---:|---:|---:|")
+        for name, more in FEATURES:
+            on, ms = plan(model, base + more, folder), "- | - | -"
+            times = [(frame(model, base, folder), frame(model, base + more, folder))
+                     for _ in range(rounds)]
+            if times:
+                ratio = statistics.median(b / a for a, b in times)
+                ms = (f"{statistics.median(a for a, _ in times):.1f} | "
+                      f"{statistics.median(b for _, b in times):.1f} | {ratio:.2f}")
+            constants, what = difference(off, on)
+            print(f"| {name} | {constants} | {what} | "
+                  f"{sum(on[1].values()) - sum(off[1].values())} | {ms} |", flush=True)
+
+
+# --- reports ---------------------------------------------------------------------------------------
+
+def reports(folder, models):
+    for model in models:
+        name = re.sub(r"\.\w+$", "", os.path.basename(model))
+        stipple("report", model, "-o", os.path.join(folder, "report-" + name), *VIEW)
+        print(os.path.join(folder, "report-" + name), flush=True)
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__,
+                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["auto", "bounds", "features", "reports"])
+    parser.add_argument("arguments", nargs="+", metavar="FILE")
+    parser.add_argument("--rounds", type=int, default=3)
+    parser.add_argument("--method", default="exact", help="of features (default: exact)")
+    options = parser.parse_args()
+    if options.what == "auto":
+        auto(options.arguments, options.rounds)
+    elif options.what == "bounds":
+        bounds(options.arguments)
+    elif options.what == "features":
+        features(options.arguments[0], options.method, options.rounds)
+    else:
+        reports(options.arguments[0], options.arguments[1:])
+
+
+if __name__ == "__main__":
+    sys.exit(main())
