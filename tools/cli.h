@@ -41,6 +41,9 @@ struct command {
 
 #define MOST_OPTIONS 128
 
+/* What several processes share out. */
+enum split { SPLIT_POINTS = 0, SPLIT_FRAMES };
+
 /* Everything an option can set. Zero is the default throughout, as in the library's structs. */
 struct settings {
     const struct command *command;
@@ -68,6 +71,7 @@ struct settings {
     uint32_t first_frame, last_frame;
     double exposure, least_psnr;
     unsigned repeat, threads, rounds;
+    unsigned split; /* enum split */
     bool half, quick, json, quiet, verbose, with_groups, calibrate;
 };
 
@@ -134,6 +138,7 @@ bool value_view(const struct option_spec *spec, const char *text, void *target);
 bool value_clip_box(const struct option_spec *spec, const char *text, void *target);
 bool value_volume_dims(const struct option_spec *spec, const char *text, void *target);
 bool value_volume_spacing(const struct option_spec *spec, const char *text, void *target);
+bool value_axis_h(const struct option_spec *spec, const char *text, void *target); /* double */
 bool value_background(const struct option_spec *spec, const char *text, void *target);
 bool value_frames(const struct option_spec *spec, const char *text, void *target);
 bool value_optics(const struct option_spec *spec, const char *text, void *target);    /* float[] */
@@ -149,10 +154,14 @@ struct console {
     struct stp_env env; /* env.user is this console */
     bool quiet, verbose, bar;
     double started, drawn; /* seconds */
+    bool holds;            /* one of several processes: the first error is kept, not printed */
+    char held[1024];
 };
 /* The console must not move while its env is in use. */
 void console_open(struct console *console, const struct settings *settings);
 void console_close(struct console *console);
+/* Prints the line that is held, with the process's rank. */
+void console_release(struct console *console, unsigned rank);
 /* One line, "stipple: ...", in the same manner as the library's. */
 void console_error(struct console *console, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
@@ -215,6 +224,8 @@ void context_start(struct context_job *job, struct console *console,
                    const struct stp_context_params *params);
 /* Waits; logs a failure. */
 int context_finish(struct context_job *job, const struct stp_limits **limits);
+/* Only who asks for a bound waits for measurements. */
+int context_calibrate(struct context_job *job, const struct settings *settings);
 /* Safe for a job that was never started. */
 void context_close(struct context_job *job);
 

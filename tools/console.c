@@ -35,10 +35,26 @@ static void print_line(struct console *console, enum stp_log_level level, const 
         return;
     if (level == STP_LOG_INFO && !console->verbose)
         return;
+    if (console->holds) {
+        if (level == STP_LOG_ERROR && !console->held[0])
+            snprintf(console->held, sizeof console->held, "%s", line);
+        return;
+    }
     flockfile(stderr); /* the context may be made on a second thread */
     erase_bar();
     fprintf(stderr, "stipple: %s%s\n", level == STP_LOG_WARNING ? "warning: " : "", line);
     funlockfile(stderr);
+}
+
+void console_release(struct console *console, unsigned rank)
+{
+    char line[sizeof console->held + 32];
+    if (!console->held[0])
+        return;
+    snprintf(line, sizeof line, "process %u: %s", rank, console->held);
+    console->held[0] = 0;
+    console->holds = false;
+    print_line(console, STP_LOG_ERROR, line);
 }
 
 static void on_log(void *user, enum stp_log_level level, const char *line)

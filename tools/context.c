@@ -48,6 +48,16 @@ int context_finish(struct context_job *job, const struct stp_limits **limits)
     return EXIT_FAILED;
 }
 
+int context_calibrate(struct context_job *job, const struct settings *settings)
+{
+    struct stp_calibrate_params params = {
+        .again = settings->calibrate,
+        .only_cached = !settings->calibrate && !(settings->render.max_error > 0),
+    };
+    return stp_calibrate(&job->console->env, job->context, &params) == STP_OK ? EXIT_DONE
+                                                                              : EXIT_FAILED;
+}
+
 void context_close(struct context_job *job)
 {
     join(job);

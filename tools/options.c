@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "cli.h"
+#include "machines.h"
 
 #define INFO     COMMAND_INFO
 #define RENDER   COMMAND_RENDER
@@ -87,6 +88,11 @@ const struct option_spec option_table[] = {
       "render the cameras A to B, both included, of a camera path; the first is 0 (default: only "
       "the first)",
       value_frames, 0, "A:B, whole numbers with A <= B", 0, 999999, NULL },
+    { NULL, RENDER, "split", 0, "points|frames",
+      "started by mpirun or srun: all processes make each picture together, every one with its "
+      "share of the points, by two-pass --path compute; or each makes frames of its own, by any "
+      "method (default: points)",
+      value_choice, AT(split), NULL, 0, 0, NULL },
     { NULL, RENDER, "write-camera", 0, "FILE.json",
       "write the camera that was used (default: none)",
       value_text, AT(write_camera), "the name of a file", 0, 0, NULL },
@@ -203,11 +209,11 @@ const struct option_spec option_table[] = {
       "highlights seen from the eye's place (default: from its direction, one for the picture)",
       value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },
 
-    { "Method", PICTURE, "method", 0, "auto|deferred|two-pass|exact|reference|pyramid",
+    { "Method", PICTURE, "method", 0, "auto|deferred|two-pass|exact|reference|pyramid|axis",
       "deferred: groups blended in one pass; two-pass: visibility, then blending; exact: every "
       "fragment kept and resolved; pyramid: one pixel a point, then pull and push, for clouds of "
-      "many millions; reference: float64 on the CPU, slow, needs no Vulkan (default: "
-      "auto, the fastest within --max-error)",
+      "many millions; reference: float64 on the CPU, slow, needs no Vulkan; axis: volumes, by "
+      "sorted axis lists (default: auto, of a volume axis, else the fastest within --max-error)",
       value_choice, AT(render.method), NULL, 0, 0, NULL },
     { NULL, PICTURE, "transparency", 0, "auto|fast|nearest|peel|exact|reference",
       "how layers behind each other are composited where something is transparent. exact: every "
@@ -251,6 +257,16 @@ const struct option_spec option_table[] = {
       "what the device has)",
       value_bytes, AT(render.memory_limit), "a whole number above 0, K, M or G may follow", 0, 0,
       NULL },
+
+    { NULL, PICTURE, "axis-merge", 0, "blend|clip|single|sort",
+      "axis: which list serves a pixel; blend: those whose axes are nearly dominant on its ray, "
+      "clip: the dominant one's, single: one for the picture, sort: one by distance from the eye "
+      "(default: blend)",
+      value_choice, AT(render.axis_merge), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "axis-h", 0, "H",
+      "axis, blend: the share of the dominant component of a ray above which another axis's list "
+      "is blended in (default: 0.85)",
+      value_axis_h, AT(render.axis_h), "a number from 0 and below 1", 0, 1, NULL },
 
     { "Device", RENDER | DEVICES | REPORT, "device", 0, "SUBSTRING",
       "the device whose name holds this (default: a GPU before a software device)",
@@ -311,6 +327,8 @@ _Static_assert(sizeof option_table / sizeof *option_table <= MOST_OPTIONS, "sett
 int wrong_usage(const struct command *command, const char *format, ...)
 {
     va_list args;
+    if (!machines_speaks())
+        return EXIT_COMMAND_LINE;
     va_start(args, format);
     fputs("stipple: ", stderr);
     vfprintf(stderr, format, args);

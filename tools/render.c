@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "cli.h"
+#include "machines.h"
 
 struct run {
     struct settings *settings;
@@ -14,6 +15,10 @@ struct run {
     struct run_times times;
     cJSON *stats; /* of each frame, an array; NULL without --stats */
     struct json_out building;
+    struct stp_machines exchange;
+    bool ended;               /* all processes know that one has failed */
+    bool shared;              /* every process has its share of the points */
+    struct stp_camera camera; /* shared, without --camera: framed while the scene was whole */
 };
 
 /* One frame's products. */
@@ -57,6 +62,20 @@ static void list_outputs(const struct settings *settings, const char *paths[4])
     paths[3] = settings->write_camera;
 }
 
+static int check_split(const struct settings *settings)
+{
+    const struct command *command = settings->command;
+    if (!option_given(settings, "split"))
+        return EXIT_DONE;
+    if (!machines_possible())
+        return wrong_usage(command, "--split wants a build with MPI (meson setup -Dmpi=enabled)");
+    if (settings->split == SPLIT_FRAMES && !option_given(settings, "frames"))
+        return wrong_usage(command, "--split frames wants --frames");
+    if (settings->split == SPLIT_FRAMES && settings->stats)
+        return wrong_usage(command, "--stats goes with --split points only");
+    return EXIT_DONE;
+}
+
 static int check_usage(const struct settings *settings)
 {
     const struct command *command = settings->command;
@@ -70,7 +89,8 @@ static int check_usage(const struct settings *settings)
         for (int j = 0; j < i; j++)
             if (paths[i] && paths[j] && strcmp(paths[i], paths[j]) == 0)
                 return wrong_usage(command, "'%s' is given for two outputs", paths[i]);
-    return check_frames(settings);
+    int status = check_frames(settings);
+    return status == EXIT_DONE ? check_split(settings) : status;
 }
 
 static int check_outputs(struct run *run)
@@ -81,6 +101,17 @@ static int check_outputs(struct run *run)
         if (paths[i] && !output_possible(&run->console, paths[i], run->settings))
             return EXIT_FAILED;
     return EXIT_DONE;
+}
+
+/* The worst of all processes' status; of those that failed the first says why. Whoever fails asks
+ * once more, at its next call, and so does everyone else at theirs; then nobody asks again. */
+static int together(struct run *run, int status)
+{
+    if (run->exchange.count > 1 && !run->ended) {
+        status = machines_agree(&run->exchange, &run->console, status);
+        run->ended = status != EXIT_DONE;
+    }
+    return status;
 }
 
 /* --- one frame ------------------------------------------------------------------------------- */
@@ -132,6 +163,18 @@ static int write_pictures(struct run *run, const struct frame *frame, uint32_t i
     return result == STP_OK ? EXIT_DONE : EXIT_FAILED;
 }
 
+/* Collective, also where the plan could not be made. */
+static int render_share(struct run *run, struct frame *frame, enum stp_result planned)
+{
+    int status = together(run, planned == STP_OK ? EXIT_DONE : EXIT_FAILED);
+    if (status != EXIT_DONE)
+        return status;
+    enum stp_result result =
+        stp_render_share(&run->console.env, run->job.context, run->scene, frame->plan,
+                         &run->exchange, run->settings->repeat, &frame->image, &frame->stats);
+    return together(run, result == STP_OK ? EXIT_DONE : EXIT_FAILED);
+}
+
 static int render_frame(struct run *run, struct frame *frame)
 {
     const struct settings *settings = run->settings;
@@ -140,14 +183,18 @@ static int render_frame(struct run *run, struct frame *frame)
         stp_limits_lavapipe(&none); /* the reference plans without a device */
     const struct stp_limits *limits = run->limits ? run->limits : &none;
     double start = seconds_now();
-    struct stp_choice choice;
-    int status = choose_way(&run->console, settings, run->scene, &frame->camera, limits, &choice);
+    struct stp_choice choice = { .params = settings->render };
+    int status = EXIT_DONE;
+    if (!run->shared) /* several processes have but one way */
+        status = choose_way(&run->console, settings, run->scene, &frame->camera, limits, &choice);
     run->times.prepare += ms_since(start);
     if (status != EXIT_DONE)
         return status;
     const struct stp_env *env = &run->console.env;
     enum stp_result result =
         stp_plan_create(env, run->scene, &frame->camera, &choice.params, limits, &frame->plan);
+    if (run->shared)
+        return render_share(run, frame, result);
     if (result == STP_OK)
         result = stp_render(env, run->job.context, run->scene, frame->plan, settings->repeat,
                             &frame->image, &frame->stats);
@@ -166,23 +213,38 @@ static int add_stats(struct run *run, const struct frame *frame)
     return EXIT_FAILED;
 }
 
+static int find_frame_camera(struct run *run, uint32_t index, struct stp_camera *camera)
+{
+    if (!run->shared || run->settings->camera)
+        return find_camera(&run->console, run->settings, run->scene, index, camera, NULL);
+    *camera = run->camera;
+    return EXIT_DONE;
+}
+
+static int write_frame(struct run *run, struct frame *frame, uint32_t index)
+{
+    const struct settings *settings = run->settings;
+    if (settings->half)
+        mark_half(frame->image);
+    double start = seconds_now();
+    int status = write_pictures(run, frame, index);
+    run->times.write = ms_since(start);
+    if (status == EXIT_DONE)
+        status = add_stats(run, frame);
+    if (status == EXIT_DONE && settings->write_camera &&
+        stp_camera_save(&run->console.env, settings->write_camera, &frame->camera) != STP_OK)
+        status = EXIT_FAILED;
+    return status;
+}
+
 static int do_frame(struct run *run, uint32_t index)
 {
     struct frame frame = { 0 };
-    int status = find_camera(&run->console, run->settings, run->scene, index, &frame.camera, NULL);
+    int status = find_frame_camera(run, index, &frame.camera);
     if (status == EXIT_DONE)
         status = render_frame(run, &frame);
-    if (status == EXIT_DONE && run->settings->half)
-        mark_half(frame.image);
-    double start = seconds_now();
-    if (status == EXIT_DONE)
-        status = write_pictures(run, &frame, index);
-    run->times.write = ms_since(start);
-    if (status == EXIT_DONE)
-        status = add_stats(run, &frame);
-    if (status == EXIT_DONE && run->settings->write_camera &&
-        stp_camera_save(&run->console.env, run->settings->write_camera, &frame.camera) != STP_OK)
-        status = EXIT_FAILED;
+    if (status == EXIT_DONE && frame.image)
+        status = write_frame(run, &frame, index);
     stp_image_destroy(&frame.image);
     stp_plan_destroy(&frame.plan);
     return status;
@@ -226,37 +288,97 @@ static int write_stats(struct run *run)
     return done ? EXIT_DONE : EXIT_FAILED;
 }
 
-/* Only who asks for a bound waits for measurements. */
-static int calibrate(struct run *run)
+/* Frames what is to be framed, then keeps this process's share. */
+static int share_scene(struct run *run)
 {
     const struct settings *settings = run->settings;
-    struct stp_calibrate_params params = {
-        .again = settings->calibrate,
-        .only_cached = !settings->calibrate && !(settings->render.max_error > 0),
-    };
-    enum stp_result result = stp_calibrate(&run->console.env, run->job.context, &params);
-    return result == STP_OK ? EXIT_DONE : EXIT_FAILED;
+    int status = EXIT_DONE;
+    if (!settings->camera)
+        status = find_camera(&run->console, settings, run->scene, 0, &run->camera, NULL);
+    if (status == EXIT_DONE && stp_scene_share(&run->console.env, run->scene, run->exchange.rank,
+                                               run->exchange.count) != STP_OK)
+        status = EXIT_FAILED;
+    return status;
+}
+
+/* Of several processes, each has a frame in turn, or all make every one; a failure ends all at the
+ * end of the frame. */
+static int render_frames(struct run *run)
+{
+    const struct settings *settings = run->settings;
+    bool mine = run->exchange.count > 1 && !run->shared;
+    uint32_t step = mine ? run->exchange.count : 1, rank = mine ? run->exchange.rank : 0;
+    int status = EXIT_DONE;
+    for (uint64_t i = settings->first_frame; status == EXIT_DONE && i <= settings->last_frame;
+         i += step) {
+        if (i + rank <= settings->last_frame)
+            status = do_frame(run, (uint32_t)(i + rank));
+        status = together(run, status);
+    }
+    return status;
+}
+
+static int load(struct run *run)
+{
+    const struct settings *settings = run->settings;
+    bool on_device = settings->render.method != STP_METHOD_REFERENCE;
+    if (on_device)
+        context_start(&run->job, &run->console, &settings->context);
+    int status =
+        load_and_prepare(&run->console, settings, settings->files[0], &run->scene, &run->times);
+    if (status == EXIT_DONE && on_device)
+        status = context_finish(&run->job, &run->limits);
+    if (status == EXIT_DONE && run->limits && !run->shared)
+        status = context_calibrate(&run->job, settings);
+    if (status == EXIT_DONE && run->shared)
+        status = share_scene(run);
+    return status;
 }
 
 static int render_all(struct run *run)
 {
-    int status = check_outputs(run);
+    bool writes = run->exchange.rank == 0 || !run->shared;
+    int status = writes ? check_outputs(run) : EXIT_DONE;
     if (status == EXIT_DONE)
         status = check_camera_path(run);
-    if (status != EXIT_DONE)
-        return status;
-    if (run->settings->render.method != STP_METHOD_REFERENCE)
-        context_start(&run->job, &run->console, &run->settings->context);
-    status = load_and_prepare(&run->console, run->settings, run->settings->files[0], &run->scene,
-                              &run->times);
-    if (status == EXIT_DONE && run->settings->render.method != STP_METHOD_REFERENCE)
-        status = context_finish(&run->job, &run->limits);
-    if (status == EXIT_DONE && run->limits)
-        status = calibrate(run);
-    for (uint32_t i = run->settings->first_frame;
-         status == EXIT_DONE && i <= run->settings->last_frame; i++)
-        status = do_frame(run, i);
-    return status == EXIT_DONE ? write_stats(run) : status;
+    status = together(run, status);
+    if (status == EXIT_DONE)
+        status = together(run, load(run));
+    if (status == EXIT_DONE)
+        status = render_frames(run);
+    if (status == EXIT_DONE && run->exchange.rank == 0)
+        status = write_stats(run);
+    return together(run, status);
+}
+
+/* Of several processes one speaks: the first that fails, else the root. */
+static int join(struct run *run)
+{
+    struct console *console = &run->console;
+    const struct settings *settings = run->settings;
+    enum stp_method method = settings->render.method;
+    machines_open(&run->exchange);
+    if (run->exchange.count == 1)
+        return EXIT_DONE;
+    console->holds = true;
+    if (run->exchange.rank > 0) {
+        console->quiet = true;
+        console->verbose = false;
+        console->env.progress = NULL;
+    }
+    run->shared = settings->split == SPLIT_POINTS;
+    if (run->shared && ((method != STP_METHOD_AUTO && method != STP_METHOD_TWO_PASS) ||
+                        settings->render.path == STP_PATH_RASTER))
+        return wrong_usage(settings->command, "several processes make one picture by --method "
+                                              "two-pass --path compute only; or --split frames");
+    if (run->shared && run->settings->render.max_error > 0)
+        return wrong_usage(settings->command, "--max-error chooses among methods, of which several "
+                                              "processes have one; or --split frames");
+    if (run->shared) {
+        run->settings->render.method = STP_METHOD_TWO_PASS;
+        run->settings->render.path = STP_PATH_COMPUTE;
+    }
+    return EXIT_DONE;
 }
 
 int run_render(struct settings *settings)
@@ -266,11 +388,14 @@ int run_render(struct settings *settings)
     if (status != EXIT_DONE)
         return status;
     console_open(&run.console, settings);
+    status = join(&run);
     run.stats = settings->stats ? json_begin(&run.building, cJSON_CreateArray()) : NULL;
-    status = render_all(&run);
+    if (status == EXIT_DONE)
+        status = render_all(&run);
     context_close(&run.job);
     stp_scene_destroy(&run.scene);
     cJSON_Delete(run.stats);
     console_close(&run.console);
+    machines_close(&run.exchange);
     return status;
 }

@@ -376,6 +376,15 @@ bool value_opacity(const struct option_spec *spec, const char *text, void *targe
     return true;
 }
 
+bool value_axis_h(const struct option_spec *spec, const char *text, void *target)
+{
+    double h;
+    if (!value_real(spec, text, &h) || !(h < 1))
+        return false;
+    *(double *)target = h > 0 ? h : -1;
+    return true;
+}
+
 bool value_min_splat(const struct option_spec *spec, const char *text, void *target)
 {
     double pixels;

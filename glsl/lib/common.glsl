@@ -50,9 +50,14 @@ layout(constant_id = 16) const bool REPAIR = false;      // two-pass code on ove
 layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside packed slots
 // 18 to 20 (64-bit atomics, gl_Layer from the vertex shader, doubles) choose modules, not code.
 layout(constant_id = 21) const uint SAMPLE_GRID = 1;     // the picture is the mean of SAMPLES
-layout(constant_id = 23) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
-layout(constant_id = 24) const bool MIXED = false;       // some splats are opaque, where others are not
-layout(constant_id = 25) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
+layout(constant_id = 23) const uint AXIS_WALKS = 1;
+layout(constant_id = 24) const bool AXIS_CUT = false;     // near or far cuts kernels
+layout(constant_id = 25) const bool UNLIT = false;        // a volume shows its colours as they are
+layout(constant_id = 26) const uint AXIS_WALK = 0;        // of this pass
+layout(constant_id = 27) const uint AXIS_PART = 0;
+layout(constant_id = 28) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
+layout(constant_id = 29) const bool MIXED = false;       // some splats are opaque, where others are not
+layout(constant_id = 30) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
@@ -69,5 +74,5 @@ layout(push_constant) uniform Push { uint push_first; uint push_sample; uint pus
 // An id that can be looked up, also of a lane that has none: loads are not always masked.
 uint splat_known(uint id)
 {
-    return min(id, frame.splat_count - 1);
+    return min(id, frame.known_count - 1);
 }

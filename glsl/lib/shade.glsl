@@ -40,13 +40,13 @@ vec3 unit_or_zero(vec3 v)
     return length2 > 0 ? v * inversesqrt(length2) : vec3(0);
 }
 
-vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)
+vec3 shade_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
 {
     if (HEAD_LIGHT && !LOCAL_VIEWER) {
         float c = max(0, -n.z);
         return albedo * (m.ambient + m.diffuse * c) + m.specular * power(c, m.shininess);
     }
-    vec3 p = camera_point(pixel, depth), color = vec3(0);
+    vec3 color = vec3(0);
     vec3 view = LOCAL_VIEWER && !ORTHOGRAPHIC ? -normalize(p) : vec3(0, 0, -1);
     for (uint i = 0; i < frame.light_count; i++) {
         vec3 at = vec3(frame.lights[i].position[0], frame.lights[i].position[1],
@@ -61,6 +61,11 @@ vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)
                           m.specular * power(c, m.shininess));
     }
     return color;
+}
+
+vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)
+{
+    return shade_at(m, albedo, n, camera_point(pixel, depth));
 }
 
 vec3 world_normal(vec3 n)

@@ -1,8 +1,8 @@
 // The fragments that exact kept of a pixel, and sums of them in integers, so that the order in which
 // they came does not matter. Needs key.glsl and resolve.glsl.
 
-const float WEIGHT_UNIT = 4095.0, PART_UNIT = 4096.0; // 12 + 12 bits, 64 fragments: below 2^31
-const float ALPHA_UNIT = PART_UNIT * 16777216.0;      // 64 bits: an opacity of 1e-6 keeps its own
+const float UNIT = 16777216.0, COLOR_UNIT = 4096.0; // 64 fragments: below 2^31, and 2^63
+const float ALPHA_UNIT = 1099511627776.0; // 2^40: an opacity of 1e-6 keeps its own
 
 // Of a slot's id word: the splat is opaque, where not all are.
 const uint SLOT_OPAQUE = 0x80000000u;
@@ -18,10 +18,10 @@ struct Term {
     float depth;   // in the units of slot_depth
     uint word;     // slot_word
     uint encoded;  // the normal, in 28 bits
-    int weight;    // in WEIGHT_UNITs; the rest is multiplied with it
-    ivec3 normal;  // in PART_UNITs
-    i64vec3 albedo;
-    int64_t alpha; // in ALPHA_UNITs
+    int weight;    // in UNITs, as the rest, which is multiplied with it
+    ivec3 normal;
+    i64vec3 albedo; // in COLOR_UNITs
+    int64_t alpha;  // in ALPHA_UNITs
 };
 
 struct Sums {
@@ -103,15 +103,15 @@ Term slot_term(Slot slot, bool present, uvec2 p)
         n = splat.normal;
         t.encoded = normal_encode(n);
     }
-    float q = round(kernel_weight(rho2) * WEIGHT_UNIT);
-    t.weight = int(q);
-    t.normal = ivec3(round(n * (q * PART_UNIT)));
+    float w = kernel_weight(rho2);
+    t.weight = int(round(w * UNIT));
+    t.normal = ivec3(round(n * (w * UNIT)));
     t.albedo = i64vec3(0);
     t.alpha = 0;
     if (HAS_COLOR)
-        t.albedo = i64vec3(round(frame.colors.v[known] * (q * frame.color_scale)));
+        t.albedo = i64vec3(round(frame.colors.v[known] * (w * COLOR_UNIT * frame.color_scale)));
     if (OPACITY == 2)
-        t.alpha = int64_t(round(splat_opacity(known) * (q * ALPHA_UNIT)));
+        t.alpha = int64_t(round(splat_opacity(known) * (w * ALPHA_UNIT)));
     return t;
 }
 
@@ -120,8 +120,7 @@ void sums_take(inout Sums s, bool counts, Term t, float near, float epsilon, uin
 {
     s.weight += counts ? t.weight : 0;
     s.normal += counts ? t.normal : ivec3(0);
-    float part = float(t.weight) * PART_UNIT;
-    s.depth += counts ? int(round((t.depth - near) / epsilon * part)) : 0;
+    s.depth += counts ? int(round((t.depth - near) / epsilon * float(t.weight))) : 0;
     if (HAS_COLOR)
         s.albedo += counts ? t.albedo : i64vec3(0);
     if (OPACITY == 2)
@@ -136,7 +135,7 @@ float sums_alpha(Sums sums, uint near_id)
 {
     if (sums.weight == 0)
         return splat_opacity(near_id);
-    return float(sums.alpha) / (float(sums.weight) * ALPHA_UNIT);
+    return float(sums.alpha) / (float(sums.weight) * (ALPHA_UNIT / UNIT));
 }
 
 // best: the rank of the nearest; epsilon in the units of slot_depth.
@@ -146,13 +145,13 @@ Surface sums_surface(Sums sums, uint64_t best, float epsilon)
     float weight = float(sums.weight), near = rank_depth(best);
     s.id = slot_id(uint(best));
     s.fragments = sums.fragments;
-    s.weight = weight / WEIGHT_UNIT;
-    s.normal = vec3(sums.normal) / (WEIGHT_UNIT * PART_UNIT);
+    s.weight = weight / UNIT;
+    s.normal = vec3(sums.normal) / UNIT;
     s.near_normal = normal_decode(PACKED && !KEY_IDS ? uint(best) & 0xfffffff : sums.near_encoded);
     s.near_depth = PACKED ? depth_restore(uint(near)) : near;
     float unit = PACKED ? frame.depth_scale : 1.0;
-    s.depth = s.near_depth + float(sums.depth) / (weight * PART_UNIT) * (epsilon / unit);
-    s.albedo = vec3(sums.albedo) / (WEIGHT_UNIT * frame.color_scale);
+    s.depth = s.near_depth + float(sums.depth) / weight * (epsilon / unit);
+    s.albedo = vec3(sums.albedo) / (COLOR_UNIT * frame.color_scale);
     return s;
 }
 

@@ -103,13 +103,17 @@ bool splat_load(uint id, out Splat s)
     s.normal = n;
     s.radius = a.w;
     s.tag = floatBitsToUint(b.w);
-    if (HAS_UNKNOWN && b.x == 0 && b.y == 0 && b.z == 0)
+    bool unknown = HAS_UNKNOWN && b.x == 0 && b.y == 0 && b.z == 0;
+    if (unknown)
         s.normal = ORTHOGRAPHIC ? vec3(0, 0, -1) : -normalize(s.center);
-    PRECISE float away = ORTHOGRAPHIC ? s.normal.z : dot(s.normal, s.center);
+    // Which side is seen, from what was given: a rotated normal has been rounded once more.
+    PRECISE REAL3 eye = REAL3(FRAME(eye)[0], FRAME(eye)[1], FRAME(eye)[2]);
+    PRECISE REAL3 sight = ORTHOGRAPHIC ? eye : REAL3(a.xyz) - eye;
+    PRECISE REAL away = b.x * sight.x + b.y * sight.y + b.z * sight.z;
     if (TWO_SIDED && away > 0)
         s.normal = -s.normal;
     bool invisible = OPACITY != 0 && (s.tag & STP_TAG_INVISIBLE) != 0;
-    return !invisible && (!CULL_BACK || away < 0);
+    return !invisible && (!CULL_BACK || away < 0 || unknown);
 }
 
 vec2 splat_direction(Splat s)

@@ -10,7 +10,9 @@
 #include "lib/key.glsl"
 #include "lib/varying.glsl"
 
-const float WIDE = 2.1; // an equilateral triangle of inradius 1 reaches 2
+// An equilateral triangle of inradius 1 reaches 2. Vertices are snapped to 1/256 of a pixel: where
+// the disc is thinner than some of those on the screen, it gets that much more room.
+const float WIDE = 2.1, SNAP = 0.008, WIDEST = 6;
 
 vec4 to_clip(vec2 pixel, float z, float w)
 {
@@ -23,8 +25,11 @@ vec4 disc_vertex(Splat s, vec2 turn)
 {
     vec3 n = s.normal;
     vec3 e = normalize(abs(n.x) < 0.7 ? vec3(0, n.z, -n.y) : vec3(-n.z, 0, n.x));
-    vec3 p = s.center + s.radius * WIDE * (turn.x * e + turn.y * cross(n, e));
     vec2 focal = vec2(frame.focal[0], frame.focal[1]), c = vec2(frame.center[0], frame.center[1]);
+    float facing = ORTHOGRAPHIC ? abs(n.z) : abs(dot(n, s.center)) / dot(s.center, s.center);
+    float thin = s.radius * min(focal.x, focal.y) * facing;
+    float wide = min(WIDE + SNAP / thin, WIDEST);
+    vec3 p = s.center + s.radius * wide * (turn.x * e + turn.y * cross(n, e));
     if (ORTHOGRAPHIC)
         return to_clip(c + focal * p.xy, 0.5, 1);
     return to_clip(c * p.z + focal * p.xy, frame.near_depth, p.z);

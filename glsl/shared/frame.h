@@ -9,7 +9,7 @@
 
 #ifdef GL_core_profile
 #define STP_ADDRESS(type, name) type name
-#define STP_STRUCT(type) type
+#define STP_STRUCT(type)        type
 #ifdef WITH_FLOAT64
 #define STP_DOUBLE double
 #else
@@ -18,71 +18,76 @@
 #else
 #include <stdint.h>
 #define STP_ADDRESS(type, name) uint64_t name
-#define STP_STRUCT(type) struct type
-#define STP_DOUBLE double
-#define uint uint32_t
+#define STP_STRUCT(type)        struct type
+#define STP_DOUBLE              double
+#define uint                    uint32_t
 #endif
 
 /* Pixels live in blocks of BLOCK x BLOCK: a splat touches few pages, a workgroup takes a block. */
-#define STP_BLOCK        8
-#define STP_GROUP        64    /* threads of a workgroup */
-#define STP_LARGE_AREA   1024  /* pixels of bounds above which a splat takes a workgroup */
-#define STP_LARGE_GROUP  128
-#define STP_ROW          32768u /* workgroups along x; more go along y */
-#define STP_SLOTS        64    /* fragments a pixel that `exact` keeps before its second way */
-#define STP_SUM_WORDS    10    /* 64-bit words of a pixel's fixed-point sums */
-#define STP_LIGHTS       8
+#define STP_BLOCK              8
+#define STP_GROUP              64   /* threads of a workgroup */
+#define STP_LARGE_AREA         1024 /* pixels of bounds above which a splat takes a workgroup */
+#define STP_LARGE_GROUP        128
+#define STP_ROW                32768u /* workgroups along x; more go along y */
+#define STP_SLOTS              64 /* fragments a pixel that `exact` keeps before its second way */
+#define STP_SUM_WORDS          10 /* 64-bit words of a pixel's fixed-point sums */
+#define STP_LIGHTS             8
 #define STP_ENVIRONMENT_LEVELS 12
 /* What PLAN_OPTICS holds, or-ed. */
-#define STP_OPTICS_SURFACE  1u  /* surfaces meet the environment */
-#define STP_OPTICS_BEHIND   2u  /* it is the background */
-#define STP_OPTICS_ROUGH    4u  /* there is more than its sharp level */
-#define STP_OPTICS_BETWEEN  8u  /* levels are mixed */
-#define STP_OPTICS_DISPERSE 16u /* channels refract apart */
-#define STP_OPTICS_MIRRORS  32u /* some surface has a reflectance */
-#define STP_OPTICS_GLASS    64u /* what is transparent refracts */
+#define STP_OPTICS_SURFACE  1u   /* surfaces meet the environment */
+#define STP_OPTICS_BEHIND   2u   /* it is the background */
+#define STP_OPTICS_ROUGH    4u   /* there is more than its sharp level */
+#define STP_OPTICS_BETWEEN  8u   /* levels are mixed */
+#define STP_OPTICS_DISPERSE 16u  /* channels refract apart */
+#define STP_OPTICS_MIRRORS  32u  /* some surface has a reflectance */
+#define STP_OPTICS_GLASS    64u  /* what is transparent refracts */
 #define STP_OPTICS_MULTI    128u /* by all its layers */
 #define STP_OPTICS_ABSORBS  256u /* some surface has an absorption */
-#define STP_NO_ID        0xffffffffu
-#define STP_ID_WORDS     4     /* of out_id a pixel, with several samples; else 2; layers apart */
+#define STP_NO_ID           0xffffffffu
 /* Of a splat's tag: group, flags, object. */
 #define STP_TAG_GROUP     63u
-#define STP_TAG_INVISIBLE 64u  /* opacity 0: it has no fragments */
-#define STP_TAG_OPAQUE    128u /* opacity 1, in a scene that is transparent elsewhere */
-#define STP_NO_NORMAL    0x80008000u /* of a point: no octahedral normal is packed to this */
-#define STP_NO_POINT     0x7fffffffu /* key words of a pixel that no point fell into; positive ints */
-#define STP_RIM_DEPTH    0x7f800001u /* then, of one that the push left empty: farther than all */
-#define STP_RIM_NONE     0x7ffffffeu
-#define STP_RIM          0x60000000u /* added to the pixel whose point reaches one from outside */
-#define STP_RIM_REACH    255         /* pixels: as far as such a point is looked for */
-#define STP_POINT_RUN    512  /* points that a workgroup projects */
-#define STP_LEVELS       16   /* of a pyramid, at most */
-#define STP_BLOCK_LEVEL  3    /* whose texels are blocks */
+#define STP_TAG_INVISIBLE 64u         /* opacity 0: it has no fragments */
+#define STP_TAG_OPAQUE    128u        /* opacity 1, in a scene that is transparent elsewhere */
+#define STP_NO_NORMAL     0x80008000u /* of a point: no octahedral normal is packed to this */
+#define STP_NO_POINT      0x7fffffffu /* key words of a pixel that no point fell into; positive ints */
+#define STP_RIM_DEPTH     0x7f800001u /* then, of one that the push left empty: farther than all */
+#define STP_RIM_NONE      0x7ffffffeu
+#define STP_RIM           0x60000000u /* added to the pixel whose point reaches one from outside */
+#define STP_RIM_REACH     255         /* pixels: as far as such a point is looked for */
+#define STP_POINT_RUN     512         /* points that a workgroup projects */
+#define STP_LEVELS        16          /* of a pyramid, at most */
+#define STP_BLOCK_LEVEL   3           /* whose texels are blocks */
 /* Descriptor bindings of what is fetched as texels; the order is enum plan_slot's. */
 #define STP_BINDING_PYRAMID    6
 #define STP_BINDING_ATTRIBUTES 7
 #define STP_BINDING_POINTS     8
 #define STP_BINDING_RADII      9
+#define STP_AXIS_PART          60000u /* entries of a block's list that one pass takes */
+#define STP_AXIS_MERGE_BLEND   0
+#define STP_AXIS_MERGE_CLIP    1
+#define STP_BINDING_AXIS_COLOR 10
+#define STP_BINDING_AXIS_DEPTH 11
+#define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
-#define STP_SUMS_NONE    0x7f8000007ffffffful
+#define STP_SUMS_NONE 0x7f8000007ffffffful
 
 /* Words of the work buffer: indirect arguments, then counters, then the block flags and list. */
-#define STP_WORK_LARGE    0 /* x y z count of large splats */
-#define STP_WORK_BLOCKS   4 /* x y z count of touched blocks */
-#define STP_WORK_LEVEL_1  8 /* x y z: pyramid, texels of level 1 in touched blocks; then level 2 */
-#define STP_WORK_LEVEL_2  12
-#define STP_WORK_EMPTY    16 /* x y z count of pixels that the push left empty */
-#define STP_WORK_RIM      20 /* x y z count of points that may reach one from farther off */
-#define STP_WORK_REPAIR   8 /* x y z count of small splats that touch an overflowed block */
-#define STP_WORK_REPAIR_L 12
+#define STP_WORK_LARGE         0 /* x y z count of large splats */
+#define STP_WORK_BLOCKS        4 /* x y z count of touched blocks */
+#define STP_WORK_LEVEL_1       8 /* x y z: pyramid, texels of level 1 in touched blocks; then level 2 */
+#define STP_WORK_LEVEL_2       12
+#define STP_WORK_EMPTY         16 /* x y z count of pixels that the push left empty */
+#define STP_WORK_RIM           20 /* x y z count of points that may reach one from farther off */
+#define STP_WORK_REPAIR        8  /* x y z count of small splats that touch an overflowed block */
+#define STP_WORK_REPAIR_L      12
 #define STP_WORK_REPAIR_BLOCKS 16 /* x y z: the touched blocks again; else 0 */
-#define STP_WORK_COLLECT  20 /* x y z: all splats, to find those; else 0 */
-#define STP_WORK_OVERFLOW 24 /* not 0: a pixel's slots overflowed */
-#define STP_WORK_REMAINING 25 /* not 0: rays that are being mended have layers left */
-#define STP_WORK_FLAGS    32 /* a word a block */
-#define STP_BLOCK_TOUCHED    1u
-#define STP_BLOCK_OVERFLOWED 2u
+#define STP_WORK_COLLECT       20 /* x y z: all splats, to find those; else 0 */
+#define STP_WORK_OVERFLOW      24 /* not 0: a pixel's slots overflowed */
+#define STP_WORK_REMAINING     25 /* not 0: rays that are being mended have layers left */
+#define STP_WORK_FLAGS         32 /* a word a block */
+#define STP_BLOCK_TOUCHED      1u
+#define STP_BLOCK_OVERFLOWED   2u
 
 struct stp_light_gpu {
     float position[3]; /* camera frame: a point, or the unit direction towards the light */
@@ -109,34 +114,53 @@ struct stp_level_gpu {
     uint first, width, height;
 };
 
+/* HM: kernels of one shape, and the walks that draw them; zero without them. */
+struct stp_axis_gpu {
+    float shape[6];  /* camera frame: xx xy xz yy yz zz */
+    float extent[3]; /* of the box around a kernel's reach */
+    float reach2;    /* squared, in deviations */
+    float scale;     /* amplitude * sqrt(2 pi) */
+    float least_alpha;
+    float h;
+    uint merge;              /* STP_AXIS_MERGE_* */
+    uint splats;             /* of all lists */
+    uint blocks_x, blocks_y; /* compute: of the whole picture */
+    uint walk[6];            /* axis; + 4: rays run against it */
+};
+
 struct stp_frame_constants {
-    STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz tag (STP_TAG_*, object << 8) */
+    STP_ADDRESS(Vec4Ref,
+                splats); /* 2 per splat: x y z radius; nx ny nz tag (STP_TAG_*, object << 8) */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
     STP_ADDRESS(FloatRef, opacities);    /* where they are not one for all */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(OpticsRef, optics);      /* one an object; where surfaces meet the environment */
     STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */
-    STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group */
-    STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
-    STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
-    STP_ADDRESS(UintRef, rim);           /* pyramid: empty pixels, then, from the end, those points */
-    STP_ADDRESS(UintRef, large);         /* ids of large splats; exact: then those to repair */
-    STP_ADDRESS(Uint64Ref, keys);        /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
-    STP_ADDRESS(UintRef, key_ids);       /* exact, packed, when ids are needed beside */
-    STP_ADDRESS(UintRef, counts);        /* exact: fragments a pixel */
-    STP_ADDRESS(UintRef, nearest);       /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
-    STP_ADDRESS(Uint64Ref, sums);        /* two-pass: STP_SUM_WORDS a pixel */
+    STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: by block */
+    STP_ADDRESS(UintRef, work);      /* STP_WORK_* */
+    STP_ADDRESS(UintRef, objects);   /* pyramid: of points; with HAS_OBJECTS */
+    STP_ADDRESS(UintRef, rim);       /* pyramid: empty pixels, then, from the end, those points */
+    STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair */
+    STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
+    STP_ADDRESS(UintRef, key_ids);   /* exact, packed, when ids are needed beside */
+    STP_ADDRESS(UintRef, counts);    /* exact: fragments a pixel; axis: where blocks begin */
+    STP_ADDRESS(UintRef, nearest);   /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
+    STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
+    STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per splat of a list: centre, tau; colour */
+    STP_ADDRESS(Vec4Ref, axis_sums); /* axis, compute: 2 a pixel and walk */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
     STP_ADDRESS(Vec4Ref, out_albedo); /* rgb, sum of weights */
     STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; nearest sample, hits; layers */
-    STP_DOUBLE rotation64[9]; /* WITH_FLOAT64: centres are projected in double */
+    STP_DOUBLE rotation64[9];         /* WITH_FLOAT64: centres are projected in double */
     STP_DOUBLE translation64[3];
+    STP_DOUBLE eye64[3]; /* relative to the origin; orthographic: the direction of sight */
     STP_DOUBLE focal64[2];
     STP_DOUBLE center64[2];
     float rotation[9];    /* world to camera: x right, y down, z forward */
     float translation[3]; /* of positions relative to the origin */
+    float eye[3];         /* as eye64 */
     float focal[2];       /* pixels */
     float inv_focal[2];
     float center[2];
@@ -150,27 +174,29 @@ struct stp_frame_constants {
     float slab_scale;  /* 1 / epsilon: slabs a scene unit, for keys that carry ids */
     uint depth_bits;   /* m: epsilon is 2^m quantised steps */
     uint splat_count;
+    uint known_count;             /* and those behind them that stand for other processes' splats */
     uint width, height;           /* of the whole picture */
     uint tile_x, tile_y;          /* the region being rendered */
     uint tile_width, tile_height; /* <= width, height */
     uint blocks_x, blocks_y;
     uint light_count;
-    float background[4]; /* premultiplied */
+    float background[4];  /* premultiplied */
     float eye_dome_scale; /* orthographic: 16 / diagonal; else 0 */
     float sum_scale;      /* fixed point: units of 1 in normals and weights */
     float color_scale;    /* of colours */
     float raster_near;    /* hardware depth = raster_near / depth, or affine when orthographic */
     float raster_scale;
-    float raster_slab; /* hardware depth of one slab (ZP Eq. 10) */
-    int grid_x, grid_y;            /* pyramid: whole-picture pixel of its first texel; blocks */
-    uint grid_width, grid_height;  /* whole blocks */
-    uint level_column;             /* of the image, where levels above 0 begin */
+    float raster_slab;            /* hardware depth of one slab (ZP Eq. 10) */
+    int grid_x, grid_y;           /* pyramid: whole-picture pixel of its first texel; blocks */
+    uint grid_width, grid_height; /* whole blocks */
+    uint level_column;            /* of the image, where levels above 0 begin */
     uint level_row[STP_LEVELS];
     float radius_unit, radius_scale; /* what radii are packed in, and its inverse */
-    int block_reach; /* blocks beyond a touched one that a disc may reach */
+    int block_reach;                 /* blocks beyond a touched one that a disc may reach */
     float pyramid_floor;             /* least radius on the screen, pixels */
     float pyramid_color;             /* colours are packed times this */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
+    STP_STRUCT(stp_axis_gpu) axis;
     float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
     STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];
 };

@@ -16,6 +16,7 @@ enum stp_method {
     STP_METHOD_EXACT,     /* every fragment kept in one geometry pass, resolved exactly */
     STP_METHOD_REFERENCE, /* float64 on the CPU */
     STP_METHOD_PYRAMID,   /* MKC: one pixel a point, then pull and push */
+    STP_METHOD_AXIS,      /* HM: volumes by sorted axis lists, merged a pixel */
 };
 /* How the layers of a transparent scene are composited; a scene that is opaque ignores it. */
 enum stp_transparency {
@@ -30,6 +31,13 @@ enum stp_transparency {
 enum stp_layers {
     STP_LAYERS_MULTI = 0, /* by all layers, ZP Eq. 11 and 12 */
     STP_LAYERS_SINGLE,    /* by the nearest alone */
+};
+/* Which list serves a pixel (HM 3 and 5). */
+enum stp_axis_merge {
+    STP_AXIS_BLEND = 0, /* those that are nearly dominant on its ray, by Eq. 1 */
+    STP_AXIS_CLIP,      /* the one of its ray's dominant axis */
+    STP_AXIS_SINGLE,    /* Westover: one for the picture, of the view's axis */
+    STP_AXIS_SORT,      /* one, sorted by distance from the eye */
 };
 enum stp_path { STP_PATH_AUTO = 0, STP_PATH_RASTER, STP_PATH_COMPUTE };
 enum stp_payload { STP_PAYLOAD_AUTO = 0, STP_PAYLOAD_ID, STP_PAYLOAD_PACKED };
@@ -93,6 +101,9 @@ struct stp_render_params {
     unsigned samples; /* stratified samples a pixel, at most 65536, rounded up to a square; 0: 1;
                          raster paths have no more than 1 */
     unsigned aovs;    /* enum stp_aov, or-ed */
+    enum stp_axis_merge axis_merge;
+    double axis_h;           /* axis, blend: [0, 1), lists whose axis has more than this share of
+                                the dominant one are merged; 0: 0.85; negative: 0 */
     const float *background; /* NULL: none (alpha 0), or linear RGBA composited behind */
     bool environment_behind; /* the scene's environment in the place of that background */
     bool local_viewer;       /* half vectors from the point, not the axis */

@@ -22,5 +22,6 @@
 #include <stipple/render.h>
 #include <stipple/compare.h>
 #include <stipple/report.h>
+#include <stipple/machines.h>
 
 #endif

@@ -1,7 +1,7 @@
 /* stipple in somebody else's Vulkan frame: the only header that names Vulkan. docs/host.md walks
  * through it.
  *
- *   stp_vulkan_features -> (the host makes its device) -> stp_context_import
+ *   stp_vulkan_wanted_features -> (the host makes its device) -> stp_context_import
  *   stp_resident_create -> stp_resident_record_upload -> stp_resident_release_staging
  *   stp_frame_create, one a frame in flight -> stp_frame_record, every frame
  *
@@ -30,8 +30,8 @@ struct stp_vulkan_features {
 };
 /* What is required, and what is recommended and `supported` (as vkGetPhysicalDeviceFeatures2 fills
  * the same chain); NULL: all that is recommended. No device extension is needed. */
-STP_API void stp_vulkan_features(const struct stp_vulkan_features *supported,
-                                 struct stp_vulkan_features *features);
+STP_API void stp_vulkan_wanted_features(const struct stp_vulkan_features *supported,
+                                        struct stp_vulkan_features *features);
 
 /* The same as data, by the names of the specification. */
 struct stp_vulkan_feature {

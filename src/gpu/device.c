@@ -146,7 +146,7 @@ static VkResult create_device(struct stp_context *context)
 {
     unsigned optional = context->limits.features;
     struct stp_vulkan_features f;
-    stp_vulkan_features(NULL, &f);
+    stp_vulkan_wanted_features(NULL, &f);
     f.core.features.shaderFloat64 = (optional & STP_FEATURE_FLOAT64) != 0;
     f.core.features.shaderStorageImageExtendedFormats =
         (optional & STP_FEATURE_STORAGE_FORMATS) != 0;

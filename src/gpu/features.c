@@ -56,8 +56,8 @@ void gpu_features_chain(struct stp_vulkan_features *f)
     };
 }
 
-void stp_vulkan_features(const struct stp_vulkan_features *supported,
-                         struct stp_vulkan_features *out)
+void stp_vulkan_wanted_features(const struct stp_vulkan_features *supported,
+                                struct stp_vulkan_features *out)
 {
     struct stp_vulkan_features all = { 0 };
     if (supported)

@@ -150,5 +150,14 @@ enum stp_result gpu_submit_and_wait(const struct stp_env *env, struct stp_contex
  * may not submit, notes the copy among its pending ones. */
 enum stp_result gpu_upload(const struct stp_env *env, struct stp_context *context,
                            struct gpu_buffer *buffer, const void *data, size_t bytes);
+enum stp_result gpu_upload_at(const struct stp_env *env, struct stp_context *context,
+                              struct gpu_buffer *buffer, size_t offset, const void *data,
+                              size_t bytes);
+/* The other way; what wrote the buffer has been waited for. */
+enum stp_result gpu_download(const struct stp_env *env, struct stp_context *context,
+                             const struct gpu_buffer *buffer, size_t offset, void *data,
+                             size_t bytes);
+/* The host's own view of it; NULL: there is none that is coherent. */
+void *gpu_view(const struct gpu_buffer *buffer);
 
 #endif

@@ -21,6 +21,8 @@ SLOT_OFFSET(key_ids, PLAN_SLOT_IDS);
 SLOT_OFFSET(counts, PLAN_COUNTS);
 SLOT_OFFSET(nearest, PLAN_NEAREST);
 SLOT_OFFSET(sums, PLAN_SUMS);
+SLOT_OFFSET(projected, PLAN_PROJECTED);
+SLOT_OFFSET(axis_sums, PLAN_AXIS_SUMS);
 SLOT_OFFSET(out_color, PLAN_OUT_COLOR);
 SLOT_OFFSET(out_normal, PLAN_OUT_NORMAL);
 SLOT_OFFSET(out_depth, PLAN_OUT_DEPTH);
@@ -28,7 +30,7 @@ SLOT_OFFSET(out_albedo, PLAN_OUT_ALBEDO);
 SLOT_OFFSET(out_id, PLAN_OUT_ID);
 /* Scalar layout: nothing is padded before the lights. */
 _Static_assert(offsetof(struct stp_frame_constants, rotation64) == 8 * PLAN_BUFFER_SLOTS &&
-                   offsetof(struct stp_frame_constants, rotation) == 8 * PLAN_BUFFER_SLOTS + 128,
+                   offsetof(struct stp_frame_constants, rotation) == 8 * PLAN_BUFFER_SLOTS + 152,
                "rotation");
 _Static_assert(offsetof(struct stp_frame_constants, lights) ==
                    offsetof(struct stp_frame_constants, pyramid_color) + 4,
@@ -38,6 +40,14 @@ BINDING(STP_BINDING_PYRAMID, PLAN_IMAGE_PYRAMID);
 BINDING(STP_BINDING_ATTRIBUTES, PLAN_IMAGE_ATTRIBUTES);
 BINDING(STP_BINDING_POINTS, PLAN_TEXEL_POINTS);
 BINDING(STP_BINDING_RADII, PLAN_TEXEL_RADII);
+BINDING(STP_BINDING_AXIS_COLOR, PLAN_IMAGE_AXIS_COLOR);
+BINDING(STP_BINDING_AXIS_DEPTH, PLAN_IMAGE_AXIS_DEPTH);
+_Static_assert(STP_AXIS_MERGE_BLEND == STP_AXIS_BLEND && STP_AXIS_MERGE_CLIP == STP_AXIS_CLIP,
+               "merges");
+_Static_assert(offsetof(struct stp_frame_constants, axis) ==
+                   offsetof(struct stp_frame_constants, lights) +
+                       STP_LIGHTS * sizeof(struct stp_light_gpu),
+               "axis");
 _Static_assert(sizeof(struct stp_frame_constants) % 4 == 0 &&
                    sizeof(struct stp_frame_constants) < 65536,
                "vkCmdUpdateBuffer");
@@ -51,6 +61,7 @@ struct stp_frame_constants pass_constants(const struct stp_plan *plan,
     for (uint32_t i = 0; i < plan->resource_count; i++)
         if (plan->resource[i].slot < PLAN_BUFFER_SLOTS)
             address[plan->resource[i].slot] = resources->buffer[i].address;
+    constants.known_count = (uint32_t)(plan_splats(plan) + plan_ghosts(plan));
     constants.tile_x = tile->x;
     constants.tile_y = tile->y;
     constants.tile_width = tile->width;

@@ -167,14 +167,16 @@ enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_conte
                                      const struct pass_resources *resources, VkPipeline *pipeline)
 {
     struct targets targets = find_targets(plan, pass);
-    bool blend = pass->raster == PLAN_RASTER_BLEND;
+    static const enum pass_blend blends[] = { [PLAN_RASTER_WINNER] = PASS_BLEND_NONE,
+                                              [PLAN_RASTER_BLEND] = PASS_BLEND_ADD,
+                                              [PLAN_RASTER_OVER] = PASS_BLEND_OVER };
     struct pass_graphics graphics = {
         .vertex = pass->vertex,
         .fragment = pass->shader,
         .color_count = targets.color_count,
         .depth = targets.depth == PLAN_NONE ? VK_FORMAT_UNDEFINED : VK_FORMAT_D32_SFLOAT,
-        .blend = blend ? PASS_BLEND_ADD : PASS_BLEND_NONE,
-        .depth_write = !blend,
+        .blend = blends[pass->raster],
+        .depth_write = pass->raster == PLAN_RASTER_WINNER,
         .compare = VK_COMPARE_OP_GREATER,
     };
     for (uint32_t i = 0; i < targets.color_count; i++)

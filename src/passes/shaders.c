@@ -28,7 +28,11 @@ void pass_specialize(const struct stp_plan *plan, const struct plan_pass *pass,
                      struct pass_specialization *s)
 {
     for (uint32_t i = 0; i < PLAN_CONSTANTS; i++) {
-        s->values[i] = i == PLAN_REPAIR && pass ? pass->repair : plan->constant[i];
+        s->values[i] = !pass                 ? plan->constant[i]
+                       : i == PLAN_REPAIR    ? pass->repair
+                       : i == PLAN_AXIS_WALK ? pass->layer
+                       : i == PLAN_AXIS_PART ? pass->part
+                                             : plan->constant[i];
         s->entries[i] = (VkSpecializationMapEntry){ i, i * 4, 4 };
     }
     s->info = (VkSpecializationInfo){ PLAN_CONSTANTS, s->entries, sizeof s->values, s->values };
@@ -60,6 +64,8 @@ void pass_record(struct stp_context *context, VkCommandBuffer commands, const st
         break;
     case PLAN_DRAW:
         pass_record_raster(context, commands, plan, pass, tile, resources, pipeline);
+        break;
+    case PLAN_EXCHANGE: /* the host's work: record/exchange.c */
         break;
     }
 }

@@ -5,8 +5,9 @@
 
 #include "base/log.h"
 
-#define LEAST_DEPTH_BITS 8      /* packed keys: epsilon is at least 2^8 quantised steps */
-#define MOST_SLABS       262142 /* keys with ids hold 18 bits of slab */
+#define LEAST_DEPTH_BITS 8           /* packed keys: epsilon is at least 2^8 quantised steps */
+#define MOST_SHARED      0x7f000000u /* keys hold 31 bits of id */
+#define MOST_SLABS       262142      /* keys with ids hold 18 bits of slab */
 
 /* The method whose passes composite these layers. */
 static enum stp_method method_of(enum stp_transparency transparency)
@@ -50,7 +51,7 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
         return method_of(transparency);
     if (params->method != STP_METHOD_AUTO)
         return params->method;
-    return facts->volume.dims[0] ? STP_METHOD_REFERENCE : STP_METHOD_EXACT;
+    return facts->volume.dims[0] ? STP_METHOD_AXIS : STP_METHOD_EXACT;
 }
 
 static enum stp_result choose_transparency(const struct stp_env *env, struct stp_plan *plan)
@@ -86,6 +87,32 @@ bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_rende
     return !facts->volume.dims[0] && resolve_method(facts, params, limits) == STP_METHOD_DEFERRED;
 }
 
+/* Blocks in compute but where the rasteriser is asked for: measured (docs/results/axis.md). */
+static enum stp_result choose_axis(const struct stp_env *env, struct stp_plan *plan)
+{
+    const unsigned needed = STP_FEATURE_FLOAT32_BLEND | STP_FEATURE_STORAGE_FORMATS;
+    const unsigned aovs = STP_AOV_POSITION | STP_AOV_COVERAGE | STP_AOV_LAYERS;
+    enum stp_path path = plan->params.path;
+    if (path == STP_PATH_AUTO)
+        path = STP_PATH_COMPUTE;
+    if (plan_samples(plan) > 1)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method axis has one sample a pixel, at its centre; for %u use --method "
+                         "reference",
+                         plan_samples(plan));
+    if (plan->params.aovs & ~aovs)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method axis has the aovs P, coverage and layers; for others use --method "
+                         "reference");
+    if (path == STP_PATH_RASTER && (plan->limits.features & needed) != needed)
+        return log_error(env, STP_ERROR_FEATURE,
+                         "axis --path raster needs blending into float32 images and "
+                         "shaderStorageImageExtendedFormats, which the device lacks; use --path "
+                         "compute");
+    plan->path = path;
+    return STP_OK;
+}
+
 static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *plan)
 {
     unsigned features = plan->limits.features;
@@ -93,6 +120,8 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
     bool formats = (features & STP_FEATURE_STORAGE_FORMATS) != 0;
     enum stp_path path = plan->params.path;
     unsigned samples = plan_samples(plan);
+    if (plan->method == STP_METHOD_AXIS)
+        return choose_axis(env, plan);
     if (path == STP_PATH_RASTER && samples > 1)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "--path raster has one sample a pixel, at its centre, not %u; use --path "
@@ -214,6 +243,13 @@ static void explain(struct stp_plan *plan)
                  "pixels across.",
                  method, asked, plan->levels, plan->levels - 1);
         break;
+    case STP_METHOD_AXIS:
+        snprintf(why, size,
+                 "%s is %s: sorted lists of kernels, each in strict order by %s, merged by what "
+                 "each pixel's ray says.",
+                 method, asked,
+                 plan->path == STP_PATH_RASTER ? "the rasteriser" : "blocks of pixels in compute");
+        break;
     case STP_METHOD_TWO_PASS:
         snprintf(why, size, "%s is %s: two geometry passes by %s, the classical baseline.", method,
                  asked, stp_path_name(plan->path));
@@ -223,18 +259,58 @@ static void explain(struct stp_plan *plan)
     }
 }
 
+void plan_leave_device(struct stp_plan *plan)
+{
+    plan->method = STP_METHOD_REFERENCE;
+    plan->path = STP_PATH_AUTO;
+    plan->payload = STP_PAYLOAD_AUTO;
+    plan->voronoi = STP_VORONOI_DEFAULT;
+    snprintf(plan->why, sizeof plan->why,
+             "reference is chosen: %zu splats are more than the device's %llu bytes hold; float64 "
+             "on the CPU.",
+             plan->facts.splats, (unsigned long long)plan->limits.heap_bytes);
+}
+
+/* Sort-last: minima and sums in fixed point are what several processes can compose to the same
+ * bits, and only two-pass by compute is made of nothing else. */
+static enum stp_result choose_share(const struct stp_env *env, struct stp_plan *plan)
+{
+    struct stp_render_params *p = &plan->params;
+    if (!plan->share.count)
+        return STP_OK;
+    if (p->method == STP_METHOD_AUTO)
+        p->method = STP_METHOD_TWO_PASS;
+    if (p->method != STP_METHOD_TWO_PASS || p->path == STP_PATH_RASTER)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "several processes make one picture by --method two-pass --path compute "
+                         "only; for other methods split frames (--split frames)");
+    if (plan->facts.transparent)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "several processes make one picture of opaque scenes only; this one is "
+                         "transparent: split frames (--split frames)");
+    if (plan->facts.splats > MOST_SHARED)
+        return log_error(env, STP_ERROR_ARGUMENT, "%zu splats in all: at most %u",
+                         plan->facts.splats, MOST_SHARED);
+    p->path = STP_PATH_COMPUTE;
+    return STP_OK;
+}
+
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
 {
-    enum stp_result result = choose_transparency(env, plan);
+    enum stp_result result = choose_share(env, plan);
+    if (result == STP_OK)
+        result = choose_transparency(env, plan);
     if (result != STP_OK)
         return result;
     if (plan->method == STP_METHOD_REFERENCE) {
         explain(plan);
         return STP_OK;
     }
-    if (plan->facts.volume.dims[0])
+    bool volume = plan->facts.volume.dims[0] > 0;
+    if (volume != (plan->method == STP_METHOD_AXIS))
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "method %s draws surfaces; a volume takes --method reference",
+                         volume ? "method %s draws surfaces; a volume takes axis or reference"
+                                : "method %s draws volumes; points take exact or another",
                          stp_method_name(plan->method));
     if (plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
         return log_error(env, STP_ERROR_ARGUMENT,

@@ -25,6 +25,11 @@ static void transform(struct stp_plan *plan)
     f->translation64[0] = t.x;
     f->translation64[1] = -t.y;
     f->translation64[2] = -t.z;
+    for (int i = 0; i < 3; i++) {
+        double back = -(m[i] * t.x + m[4 + i] * t.y + m[8 + i] * t.z);
+        f->eye64[i] = camera->orthographic ? -m[8 + i] : back;
+        f->eye[i] = (float)f->eye64[i];
+    }
     f->focal64[0] = camera->fx;
     f->focal64[1] = camera->fy;
     f->center64[0] = camera->cx;
@@ -174,7 +179,7 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
     transform(plan);
     f->epsilon = (float)(p->epsilon > 0 ? p->epsilon : least_epsilon(scene));
     f->floor_size = p->min_splat < 0 ? 0 : p->min_splat > 0 ? (float)p->min_splat : 1.5f;
-    f->splat_count = (uint32_t)plan->facts.splats;
+    f->splat_count = (uint32_t)plan_splats(plan);
     /* All splats may lie in one pixel: their sum stays below 2^63. */
     int exponent = 0, overlap = 0;
     frexp((double)plan->facts.splats, &overlap);

@@ -33,6 +33,8 @@ static enum stp_result get_count(const struct json_at *at, const cJSON *root, co
     enum stp_result result = json_get_number(at, root, key, value);
     if (result == STP_OK && !(*value >= 1 && *value <= most))
         result = json_error(at, key, "is out of range");
+    if (result == STP_OK && *value != (double)(uint64_t)*value)
+        result = json_error(at, key, "is not a whole number");
     return result;
 }
 

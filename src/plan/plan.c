@@ -54,6 +54,11 @@ static enum stp_result fill(const struct stp_env *env, struct stp_plan *plan,
     enum stp_result result = plan_choose(env, plan);
     if (result != STP_OK || plan->method == STP_METHOD_REFERENCE)
         return result;
+    if (plan->method == STP_METHOD_AXIS)
+        result = plan_axis_prepare(env, plan, scene);
+    if (result != STP_OK)
+        return result;
+    plan->frame.axis.splats = (uint32_t)plan->axis.count;
     if (plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED)
         group_ranges(plan, scene);
     return plan_tiles(env, plan);
@@ -69,6 +74,7 @@ static struct stp_plan *start(const struct stp_scene *scene, const struct stp_ca
     made->params = *params;
     made->camera = *camera;
     made->facts = scene->facts;
+    made->share = (struct plan_share){ scene->share.rank, scene->share.count, scene->splats.count };
     made->limits = *limits;
     made->limits.features &= ~params->mask_features;
     if (params->background) {
@@ -148,6 +154,9 @@ enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan
     *made = *plan;
     memcpy(tiles, plan->tile, plan->tile_count * sizeof *tiles);
     made->tile = tiles;
+    /* Recording needs no lists: uploading does, from the plan itself. */
+    made->axis.order = NULL;
+    made->axis_blocks.first = made->axis_blocks.entry = NULL;
     if (plan->params.background)
         made->params.background = made->background;
     *copy = made;
@@ -159,6 +168,8 @@ void stp_plan_destroy(struct stp_plan **plan)
     if (!plan || !*plan)
         return;
     mem_free((*plan)->tile);
+    axis_lists_release(&(*plan)->axis);
+    axis_blocks_release(&(*plan)->axis_blocks);
     mem_free(*plan);
     *plan = NULL;
 }
@@ -183,14 +194,15 @@ void stp_plan_summarize(const struct stp_plan *plan, struct stp_plan_summary *su
 
 const char *stp_method_name(enum stp_method method)
 {
-    static const char *const names[] = { "auto",  "deferred",  "two-pass",
-                                         "exact", "reference", "pyramid" };
+    static const char *const names[] = { "auto",      "deferred", "two-pass", "exact",
+                                         "reference", "pyramid",  "axis" };
     return names[method];
 }
 
 const char *stp_transparency_name(enum stp_transparency transparency)
 {
-    static const char *const names[] = { "auto", "fast", "nearest", "peel", "exact", "reference" };
+    static const char *const names[] = { "auto",  "fast",      "nearest", "peel",
+                                         "exact", "reference", "axis" };
     return names[transparency];
 }
 

@@ -5,6 +5,7 @@
 
 #include <stipple/plan.h>
 
+#include "prepare/axis_blocks.h"
 #include "shared/frame.h"
 
 #define PLAN_MAX_RESOURCES 32
@@ -37,6 +38,11 @@ enum plan_constant {
     PLAN_FLOAT64,
     PLAN_SAMPLE_GRID,
     PLAN_LANES,
+    PLAN_AXIS_WALKS,
+    PLAN_AXIS_CUT,
+    PLAN_UNLIT,
+    PLAN_AXIS_WALK, /* of a pass */
+    PLAN_AXIS_PART,
     PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
@@ -66,6 +72,8 @@ enum plan_slot {
     PLAN_COUNTS,
     PLAN_NEAREST,
     PLAN_SUMS,
+    PLAN_PROJECTED,
+    PLAN_AXIS_SUMS,
     PLAN_OUT_COLOR,
     PLAN_OUT_NORMAL,
     PLAN_OUT_DEPTH,
@@ -81,6 +89,8 @@ enum plan_slot {
     PLAN_IMAGE_ATTRIBUTES,
     PLAN_TEXEL_POINTS,
     PLAN_TEXEL_RADII,
+    PLAN_IMAGE_AXIS_COLOR,
+    PLAN_IMAGE_AXIS_DEPTH,
     PLAN_SLOTS
 };
 
@@ -178,6 +188,13 @@ enum plan_shader {
     PLAN_SHADER_PYRAMID_RIM_SHADE,
     PLAN_SHADER_PYRAMID_RIM_SHADE_COLOR,
     PLAN_SHADER_PYRAMID_RIM_SHADE_ALL,
+    PLAN_SHADER_AXIS_PROJECT,
+    PLAN_SHADER_AXIS_VERTEX,
+    PLAN_SHADER_AXIS_FRAGMENT,
+    PLAN_SHADER_AXIS_BLOCK,
+    PLAN_SHADER_AXIS_MERGE,
+    PLAN_SHADER_AXIS_MERGE_SUMS,
+    PLAN_SHADER_AXIS_EMPTY,
     PLAN_SHADER_EYE_DOME,
     PLAN_SHADER_BACKGROUND,
     PLAN_SHADER_RASTER_VERTEX,
@@ -199,6 +216,7 @@ enum plan_kind {
     PLAN_DISPATCH,
     PLAN_DISPATCH_INDIRECT, /* three words at `offset` of the work buffer */
     PLAN_DRAW,              /* three vertices a splat */
+    PLAN_EXCHANGE,          /* between processes, by the host */
 };
 
 enum plan_access_kind {
@@ -215,6 +233,12 @@ struct plan_access {
 enum plan_raster {
     PLAN_RASTER_WINNER, /* depth test and write, ids out */
     PLAN_RASTER_BLEND,  /* additive, no depth */
+    PLAN_RASTER_OVER,   /* premultiplied, over what is there, no depth */
+};
+
+enum plan_exchange {
+    PLAN_EXCHANGE_NEAREST, /* the least key of each pixel to all, its splat to the root */
+    PLAN_EXCHANGE_SUMS,    /* the sum of the sums to the root */
 };
 
 struct plan_pass {
@@ -225,11 +249,13 @@ struct plan_pass {
     uint8_t target;                    /* FILL: resource */
     uint32_t value;                    /* FILL */
     uint32_t offset;                   /* DISPATCH_INDIRECT: bytes into the work buffer */
+    enum plan_exchange exchange;       /* EXCHANGE */
     uint32_t groups;                   /* DISPATCH: workgroups; 0: one a block of the tile */
     uint32_t level;                    /* pyramid: the level that is written */
     bool of_grid;                      /* DISPATCH: one a block of that level of the tile's grid */
     bool repair;                       /* specialised with PLAN_REPAIR on */
-    uint32_t layer, layer_count;       /* DRAW: of the attachments */
+    uint32_t layer, layer_count;       /* DRAW: of the attachments; axis: the walk */
+    uint32_t part;                     /* axis: of a walk's lists */
     uint32_t first_splat, splat_count; /* DRAW */
     uint8_t access_count;
     struct plan_access access[PLAN_MAX_ACCESSES];
@@ -239,6 +265,12 @@ struct plan_pass {
 struct plan_tile {
     uint32_t x, y, width, height;
     uint32_t keep[4];
+};
+
+/* One of several processes that make the picture together; count 0: alone. */
+struct plan_share {
+    uint32_t rank, count;
+    uint64_t splats; /* that this process holds */
 };
 
 /* Pixels of the whole picture that a pyramid stands on; beyond the picture's edges too, whole
@@ -258,6 +290,7 @@ struct stp_plan {
     struct stp_camera camera;
     struct stp_facts facts;
     struct stp_limits limits;
+    struct plan_share share;
     float background[4]; /* params.background points here, or is NULL */
     char why[512];
     uint32_t constant[PLAN_CONSTANTS];
@@ -277,6 +310,8 @@ struct stp_plan {
     struct plan_grid grid;            /* of the whole picture */
     bool rim_far;                     /* discs reach beyond the pixels beside their own */
     struct plan_tile *tile;
+    struct axis_lists axis;                   /* of the axis method; owned */
+    struct axis_blocks axis_blocks;           /* by compute */
     double environment_axes[3][3];            /* world: right of the map's centre, up, its centre */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
 };
@@ -287,6 +322,8 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
 
 /* plan/choose.c: method, path, payload, voronoi and why. */
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
+/* The reference in place of what was chosen: the device cannot hold the scene. */
+void plan_leave_device(struct stp_plan *plan);
 
 /* plan/steps.c: what the methods' files share. */
 uint8_t plan_resource(struct stp_plan *plan, const char *name, enum plan_slot slot,
@@ -310,10 +347,28 @@ void plan_blocks(struct stp_plan *plan);
 void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shader, bool repair,
                   const enum plan_slot *read);
 
+/* Splats on this device: all, or this process's share. */
+uint64_t plan_splats(const struct stp_plan *plan);
+/* Behind them, for several processes: stand-ins for the nearest splats that others hold. The root
+ * has one a pixel, with all that resolving asks of a splat; the others one an object, since summing
+ * asks only whose epsilon counts. */
+uint64_t plan_ghosts(const struct stp_plan *plan);
+/* Whether this process resolves and gets the picture. */
+bool plan_is_root(const struct stp_plan *plan);
+void plan_exchange(struct stp_plan *plan, enum plan_exchange exchange, const char *name);
+
 /* One file a paper appends its resources and passes, for tiles of the given size. */
 void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
+void plan_axis(struct stp_plan *plan);
+
+/* Their kernels, and by compute the blocks that they touch. */
+void plan_axis_resources(struct stp_plan *plan);
+
+/* plan/axis.c: the lists of the view, and what shaders need to know of the kernels. */
+enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,
+                                  const struct stp_scene *scene);
 
 /* plan/pyramid.c: what a pyramid of the plan's scene and view stands on, and what one tile's does.
  * A pixel that the tile keeps has the same bits in both. */

@@ -11,11 +11,12 @@ static const char *const format_names[] = { "buffer",        "R32G32_UINT",
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[PLAN_CONSTANTS] = {
-    "groups",       "voronoi",      "packed",  "gauss",       "two_sided",       "cull_back",
-    "floor",        "orthographic", "color",   "objects",     "unknown_normals", "head_light",
-    "local_viewer", "background",   "aovs",    "squarings",   "repair",          "slot_ids",
-    "atomic64",     "layered",      "float64", "sample_grid", "lanes",           "opacity",
-    "mixed",        "optics",
+    "groups",       "voronoi",      "packed",    "gauss",       "two_sided",       "cull_back",
+    "floor",        "orthographic", "color",     "objects",     "unknown_normals", "head_light",
+    "local_viewer", "background",   "aovs",      "squarings",   "repair",          "slot_ids",
+    "atomic64",     "layered",      "float64",   "sample_grid", "lanes",           "axis_walks",
+    "axis_cut",     "unlit",        "axis_walk", "axis_part",   "opacity",         "mixed",
+    "optics",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)
@@ -44,7 +45,8 @@ static void print_accesses(FILE *out, const struct stp_plan *plan, const struct 
 
 static void print_passes(FILE *out, const struct stp_plan *plan)
 {
-    static const char *const kinds[] = { "fill", "reset", "dispatch", "dispatch*", "draw" };
+    static const char *const kinds[] = { "fill",      "reset", "dispatch",
+                                         "dispatch*", "draw",  "exchange" };
     bool repeats = plan_samples(plan) > 1;
     for (uint32_t i = 0; i < plan->pass_count; i++) {
         if (repeats && i == plan->repeat_first)
@@ -61,6 +63,20 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
     }
 }
 
+static void print_lists(FILE *out, const struct stp_plan *plan)
+{
+    static const char *const merges[] = { "blend", "clip", "single", "sort" };
+    const struct axis_lists *lists = &plan->axis;
+    fprintf(out, "lists: %s", merges[lists->merge]);
+    if (lists->merge == STP_AXIS_BLEND)
+        fprintf(out, ", h %.4g", lists->h);
+    fprintf(out, ", %zu kernels seen, %zu splats drawn\n", lists->visible, lists->count);
+    for (unsigned i = 0; i < lists->walk_count; i++)
+        fprintf(out, "  rays along %c%c: %u splats, far to near\n",
+                lists->walk[i].backwards ? '-' : '+', "xyz"[lists->walk[i].axis],
+                lists -> walk[i].count);
+}
+
 static void print(FILE *out, const struct stp_plan *plan)
 {
     fprintf(out, "method %s, path %s, %zu splats, %u x %u pixels\n", stp_method_name(plan->method),
@@ -70,9 +86,14 @@ static void print(FILE *out, const struct stp_plan *plan)
     if (plan_samples(plan) > 1)
         fprintf(out, "samples: %u a pixel, %u x %u\n", plan_samples(plan),
                 plan->constant[PLAN_SAMPLE_GRID], plan->constant[PLAN_SAMPLE_GRID]);
+    if (plan->share.count)
+        fprintf(out, "process %u of %u, %llu splats here\n", plan->share.rank, plan->share.count,
+                (unsigned long long)plan->share.splats);
     fprintf(out, "why: %s\n", plan->why);
     if (plan->method == STP_METHOD_REFERENCE)
         return;
+    if (plan->method == STP_METHOD_AXIS)
+        print_lists(out, plan);
     fprintf(out, "constants:");
     for (int i = 0; i < PLAN_CONSTANTS; i++)
         if (plan->constant[i])

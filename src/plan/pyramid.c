@@ -168,7 +168,6 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "objects", PLAN_OBJECTS, PLAN_SCENE, n * 4);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
-    plan_environment_resources(plan);
 }
 
 /* 0: none; 1: colours; 2: colours, ids and objects. */

@@ -114,6 +114,38 @@ uint64_t plan_pixels(const struct stp_plan *plan)
     return (uint64_t)blocks(plan->tile_width) * blocks(plan->tile_height) * STP_BLOCK * STP_BLOCK;
 }
 
+uint64_t plan_splats(const struct stp_plan *plan)
+{
+    return plan->share.count ? plan->share.splats : plan->facts.splats;
+}
+
+bool plan_is_root(const struct stp_plan *plan)
+{
+    return plan->share.rank == 0;
+}
+
+uint64_t plan_ghosts(const struct stp_plan *plan)
+{
+    if (!plan->share.count)
+        return 0;
+    return plan_is_root(plan) ? plan_pixels(plan) : plan->facts.objects;
+}
+
+void plan_exchange(struct stp_plan *plan, enum plan_exchange exchange, const char *name)
+{
+    if (!plan->share.count)
+        return;
+    struct plan_pass *pass = plan_pass(plan, PLAN_EXCHANGE, name);
+    pass->exchange = exchange;
+    plan_updates(plan, pass, PLAN_SUMS);
+    if (exchange == PLAN_EXCHANGE_NEAREST) {
+        plan_writes(plan, pass, PLAN_SPLATS);
+        plan_writes(plan, pass, PLAN_COLORS);
+    } else {
+        plan_writes(plan, pass, PLAN_WORK);
+    }
+}
+
 void plan_fill(struct stp_plan *plan, enum plan_slot slot, uint32_t value, const char *name)
 {
     uint8_t resource = plan_find(plan, slot);
@@ -149,7 +181,7 @@ void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_
     pass->shader = small_shader;
     pass->repair = repair;
     pass->offset = STP_WORK_REPAIR * 4;
-    pass->groups = (uint32_t)((plan->facts.splats + STP_GROUP - 1) / STP_GROUP);
+    pass->groups = (uint32_t)((plan_splats(plan) + STP_GROUP - 1) / STP_GROUP);
     splat_reads(plan, pass);
     plan_updates(plan, pass, PLAN_WORK);
     plan_updates(plan, pass, PLAN_LARGE);

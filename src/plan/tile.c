@@ -39,7 +39,11 @@ static void outputs(struct stp_plan *plan)
 
 static void scene_resources(struct stp_plan *plan)
 {
-    uint64_t n = plan->facts.splats;
+    if (plan->method == STP_METHOD_AXIS) {
+        plan_axis_resources(plan);
+        return;
+    }
+    uint64_t n = plan_splats(plan) + plan_ghosts(plan);
     plan_resource(plan, "splats", PLAN_SPLATS, PLAN_SCENE, n * 32);
     if (plan->facts.has_color)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
@@ -47,7 +51,6 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "opacities", PLAN_OPACITIES, PLAN_SCENE, n * 4);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
-    plan_environment_resources(plan);
 }
 
 /* Blocks that nothing touches are never resolved: they keep what these fills leave. */
@@ -65,7 +68,7 @@ static void compute_resources(struct stp_plan *plan)
     uint64_t blocks = plan_pixels(plan) / STP_GROUP;
     plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + 2 * blocks) * 4);
     uint64_t lists = plan->method == STP_METHOD_EXACT ? 2 : 1; /* large, and to repair */
-    plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, plan->facts.splats * 4 * lists);
+    plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, plan_splats(plan) * 4 * lists);
 }
 
 static void reset_arguments(struct stp_plan *plan)
@@ -87,7 +90,8 @@ static void eye_dome(struct stp_plan *plan)
 /* Behind all else, and also where no block was touched. */
 static void background(struct stp_plan *plan)
 {
-    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE)
+    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE ||
+        plan->method == STP_METHOD_AXIS)
         return;
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
@@ -106,8 +110,11 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         plan_pyramid_resources(plan);
     else
         scene_resources(plan);
-    outputs(plan);
-    bool compute = plan->path == STP_PATH_COMPUTE;
+    plan_environment_resources(plan);
+    if (plan_is_root(plan))
+        outputs(plan);
+    bool axis = plan->method == STP_METHOD_AXIS;
+    bool compute = plan->path == STP_PATH_COMPUTE && !axis;
     if (compute && !pyramid)
         compute_resources(plan);
     if (compute)
@@ -117,6 +124,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         reset_arguments(plan);
     if (plan->method == STP_METHOD_DEFERRED)
         plan_deferred(plan);
+    else if (plan->method == STP_METHOD_AXIS)
+        plan_axis(plan);
     else if (plan->method == STP_METHOD_EXACT)
         plan_exact(plan);
     else if (pyramid)
@@ -124,6 +133,8 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     else
         plan_twopass(plan);
     plan->repeat_end = plan->pass_count;
+    if (!plan_is_root(plan))
+        return;
     eye_dome(plan);
     background(plan);
 }
@@ -206,22 +217,64 @@ static enum stp_result lay_out(const struct stp_env *env, struct stp_plan *plan)
     return STP_OK;
 }
 
-enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
+/* What grows with the splats and not with the tile: no tile is small enough for too much of it. */
+static bool scene_too_large(const struct stp_plan *plan)
+{
+    uint64_t bytes = 0, most = 0;
+    for (uint32_t i = 0; i < plan->resource_count; i++) {
+        const struct plan_resource *r = &plan->resource[i];
+        if (r->lifetime != PLAN_SCENE && r->slot != PLAN_LARGE)
+            continue;
+        bytes += r->bytes;
+        most = r->bytes > most ? r->bytes : most;
+    }
+    return bytes > plan->limits.heap_bytes / 8 * 7 || most > plan->limits.max_allocation;
+}
+
+/* A scene that the device cannot hold is still rendered where no method was asked for. */
+static enum stp_result leave_device(const struct stp_env *env, struct stp_plan *plan)
+{
+    unsigned long long scene = plan_bytes(plan, PLAN_SCENE), heap = plan->limits.heap_bytes;
+    unsigned long long once = plan->limits.max_allocation;
+    if (plan->params.method != STP_METHOD_AUTO)
+        return log_error(
+            env, STP_ERROR_DEVICE_MEMORY,
+            "the device has %llu bytes, at most %llu in one buffer, and the scene takes "
+            "%llu; --method reference renders it on the CPU",
+            heap, once, scene);
+    plan->resource_count = plan->pass_count = 0;
+    plan_leave_device(plan);
+    return STP_OK;
+}
+
+/* Bytes that transients and outputs may take beside the scene. */
+static uint64_t room(const struct stp_plan *plan)
+{
+    uint64_t scene = plan_bytes(plan, PLAN_SCENE), heap = plan->limits.heap_bytes / 8 * 7;
+    uint64_t left = heap > scene ? heap - scene : 0;
+    return plan->params.memory_limit && plan->params.memory_limit < left ? plan->params.memory_limit
+                                                                         : left;
+}
+
+static enum stp_result cut_picture(const struct stp_env *env, struct stp_plan *plan)
 {
     uint32_t w = plan->camera.width, h = plan->camera.height, columns = 1, rows = 1;
     steps(plan, w, h);
-    uint64_t scene = plan_bytes(plan, PLAN_SCENE), heap = plan->limits.heap_bytes / 8 * 7;
-    uint64_t limit = heap > scene ? heap - scene : 0;
-    if (plan->params.memory_limit && plan->params.memory_limit < limit)
-        limit = plan->params.memory_limit;
-    while (!fits(plan, limit)) {
+    if (scene_too_large(plan))
+        return leave_device(env, plan);
+    while (!fits(plan, room(plan))) {
         uint32_t least = STP_BLOCK + 2 * margin(plan);
+        if (plan->tile_width <= least && plan->tile_height <= least &&
+            largest(plan) > plan->limits.max_allocation)
+            return log_error(
+                env, STP_ERROR_DEVICE_MEMORY, "one buffer takes %llu bytes; the device allows %llu",
+                (unsigned long long)largest(plan), (unsigned long long)plan->limits.max_allocation);
         if (plan->tile_width <= least && plan->tile_height <= least)
             return log_error(env, STP_ERROR_DEVICE_MEMORY,
                              "the device has %llu bytes; the scene takes %llu, and not even a tile "
                              "of %u pixels fits beside it",
-                             (unsigned long long)plan->limits.heap_bytes, (unsigned long long)scene,
-                             least);
+                             (unsigned long long)plan->limits.heap_bytes,
+                             (unsigned long long)plan_bytes(plan, PLAN_SCENE), least);
         if (plan->tile_width >= plan->tile_height)
             columns *= 2;
         else
@@ -229,5 +282,22 @@ enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
         steps(plan, cut(w, columns, columns > 1 ? margin(plan) : 0),
               cut(h, rows, rows > 1 ? margin(plan) : 0));
     }
+    return STP_OK;
+}
+
+enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan)
+{
+    struct plan_share own = plan->share;
+    /* All processes must cut alike: as the root would that had the largest share. */
+    if (own.count) {
+        plan->share.rank = 0;
+        plan->share.splats = (plan->facts.splats + own.count - 1) / own.count;
+    }
+    enum stp_result result = cut_picture(env, plan);
+    plan->share = own;
+    if (result != STP_OK || plan->method == STP_METHOD_REFERENCE)
+        return result;
+    if (own.count)
+        steps(plan, plan->tile_width, plan->tile_height);
     return lay_out(env, plan);
 }

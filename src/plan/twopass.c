@@ -18,9 +18,13 @@ static void compute(struct stp_plan *plan)
         plan_splat(plan, "nearest id", PLAN_SHADER_TWOPASS_ID32, PLAN_SHADER_TWOPASS_ID32_LARGE,
                    false, sums);
     }
+    plan_exchange(plan, PLAN_EXCHANGE_NEAREST, "exchange nearest");
     plan_splat(plan, "sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
                atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE, false,
                sums);
+    plan_exchange(plan, PLAN_EXCHANGE_SUMS, "exchange sums");
+    if (!plan_is_root(plan))
+        return;
     plan_blocks(plan);
     plan_resolve(plan, "resolve", PLAN_SHADER_TWOPASS_RESOLVE, false, sums);
 }

@@ -75,9 +75,9 @@ enum stp_result stp_scene_save(const struct stp_env *env, const struct stp_scene
                                const char *path)
 {
     struct file_output out;
-    if (!scene->prepared)
-        return log_error(env, STP_ERROR_ARGUMENT, "%s: the scene must be prepared to be saved",
-                         path);
+    if (!scene->prepared || scene->share.count)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "%s: the scene must be prepared, and whole, to be saved", path);
     if (scene->volume)
         return log_error(env, STP_ERROR_ARGUMENT, "%s: a volume has no splats to be saved", path);
     unsigned char *buffer = mem_alloc(BATCH, RECORD_SIZE);

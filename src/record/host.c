@@ -34,6 +34,8 @@ static enum stp_result check(const struct stp_env *env, const struct stp_context
 {
     if (!context->imported)
         return log_error(env, STP_ERROR_ARGUMENT, "frames need an imported context");
+    if (plan->share.count)
+        return log_error(env, STP_ERROR_ARGUMENT, "a shared scene is for stp_render_share only");
     if (plan->method == STP_METHOD_REFERENCE)
         return log_error(env, STP_ERROR_ARGUMENT, "method reference draws on no device");
     if (plan->method == STP_METHOD_PYRAMID)

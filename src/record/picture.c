@@ -67,6 +67,7 @@ enum stp_result record_picture(const struct stp_env *env, const struct stp_scene
 
 /* The planes of a picture and a tile's outputs, found once. */
 struct copying {
+    const struct record_frame *frame;
     const struct stp_plan *plan;
     const struct stp_scene *scene;
     const float *color, *normal, *depth, *albedo;
@@ -131,6 +132,12 @@ static void position_of(const struct copying *c, uint32_t x, uint32_t y, uint32_
         c->p[k][at] = hit ? (float)(m[k] * e.x + m[4 + k] * e.y + m[8 + k] * e.z) : 0;
 }
 
+static uint32_t input_of(const struct copying *c, uint32_t id, uint32_t sample)
+{
+    return id < c->scene->splats.count ? c->scene->splats.input[id]
+                                       : record_ghost_input(c->frame, id, sample);
+}
+
 static void copy_pixel(const struct copying *c, size_t from, size_t at, uint32_t x, uint32_t y)
 {
     bool hit = isfinite(c->depth[from]), many = c->grid > 1;
@@ -154,7 +161,7 @@ static void copy_pixel(const struct copying *c, size_t from, size_t at, uint32_t
     if (c->layers)
         c->layers[at] = hit && c->plan->facts.transparent ? (float)id[c->id_words - 1] : hit;
     if (c->ids)
-        c->ids[at] = hit ? c->scene->splats.input[id[0]] : STP_NO_ID;
+        c->ids[at] = hit ? input_of(c, id[0], many ? id[2] : 0) : STP_NO_ID;
 }
 
 static enum stp_result invalidate(const struct stp_env *env, struct record_frame *frame)
@@ -179,7 +186,8 @@ enum stp_result record_read_back(const struct stp_env *env, struct record_frame 
                                  const struct stp_scene *scene, const struct plan_tile *tile,
                                  struct stp_image *image)
 {
-    struct copying c = { .plan = frame->plan,
+    struct copying c = { .frame = frame,
+                         .plan = frame->plan,
                          .scene = scene,
                          .color = output(frame, PLAN_OUT_COLOR),
                          .normal = output(frame, PLAN_OUT_NORMAL),

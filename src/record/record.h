@@ -3,9 +3,12 @@
 #ifndef STP_RECORD_RECORD_H
 #define STP_RECORD_RECORD_H
 
+#include <stipple/machines.h>
+
 #include "passes/passes.h"
 
 struct stp_scene;
+struct record_share;
 
 /* What frames of one plan share. */
 struct record_pipelines {
@@ -25,6 +28,7 @@ struct record_frame {
     struct gpu_buffer read_back[PLAN_MAX_RESOURCES]; /* of outputs that are not mapped */
     struct gpu_buffer remaining;                     /* STP_WORK_REMAINING, where the plan loops */
     VkQueryPool queries;                             /* RECORD_MAX_STEPS + 1; may be null */
+    struct record_share *share;                      /* NULL: one process makes the picture */
 };
 
 /* resources.c: buffers and images of the lifetimes in `wanted` (1 << enum plan_lifetime, or-ed);
@@ -59,12 +63,43 @@ enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
                               const struct stp_scene *scene);
 
+/* exchange.c: what several processes need beside a frame. */
+struct record_share {
+    const struct stp_machines *machines;
+    bool agreed;       /* that the picture has failed: everyone knows */
+    int64_t *values;   /* RECORD_CHUNK * RECORD_MOST_VALUES */
+    uint64_t *sums;    /* of a chunk, where the host does not see the device's */
+    uint32_t *hit;     /* pixels of a chunk that have a fragment */
+    float (*ghost)[8]; /* the root: splats of a chunk that others hold, and their colours */
+    float (*ghost_color)[3];
+    uint32_t *ghost_input; /* the root, where ids are asked for: of each ghost of each sample */
+};
+#define RECORD_CHUNK       65536 /* pixels that are exchanged at once */
+#define RECORD_MOST_VALUES STP_SUM_WORDS
+
+enum stp_result record_share_create(const struct stp_env *env, const struct stp_plan *plan,
+                                    const struct stp_machines *machines,
+                                    struct record_share *share);
+void record_share_destroy(struct record_share *share);
+/* The result of all processes: see agree in stipple/machines.h. */
+enum stp_result record_agree(struct record_share *share, enum stp_result mine);
+/* Ghosts of the processes that are not the root; after record_upload. */
+enum stp_result record_ghosts(const struct stp_env *env, struct record_frame *frame);
+/* Exchanges by an EXCHANGE pass, after what comes before it has been waited for; collective. mine:
+ * what this process has come to. */
+enum stp_result record_exchange(const struct stp_env *env, struct record_frame *frame,
+                                const struct stp_scene *scene, const struct plan_pass *pass,
+                                uint32_t sample, enum stp_result mine);
+/* The input index of ghost id `id` in the picture that `sample` of the pixel gave. */
+uint32_t record_ghost_input(const struct record_frame *frame, uint32_t id, uint32_t sample);
+
 /* walk.c: a tile is recorded in parts of at most RECORD_SAMPLES samples, so that no submission
  * grows with their number. The steps of a part are passes in the order of execution: those before
  * the repeated ones in the first part, the repeated ones once a sample, those after in the last.
  * Where the plan loops, every sample takes two parts, the second being RECORD_TURNS turns of the
  * loop, and what comes after takes one of its own: a part that loops is run while `remaining` is
- * set, which the part before it has left too. */
+ * set, which the part before it has left too.
+ * Where processes exchange, a part ends before each exchange, and the next begins after it. */
 #define RECORD_SAMPLES   16
 #define RECORD_TURNS     16
 #define RECORD_MAX_STEPS (PLAN_MAX_PASSES * RECORD_SAMPLES)
@@ -72,9 +107,10 @@ struct record_steps {
     const struct stp_plan *plan;
     uint32_t count, before, repeated;
     uint32_t first, length; /* of the passes that are repeated */
-    uint32_t first_sample;
-    bool loops; /* turns of one sample's loop */
-    bool last;  /* outputs are handed to the host after it */
+    uint32_t first_sample, first_pass;
+    uint32_t exchange; /* pass that processes exchange by after it; RECORD_NO_PASS: none */
+    bool loops;        /* turns of one sample's loop */
+    bool last;         /* outputs are handed to the host after it */
 };
 uint32_t record_parts(const struct stp_plan *plan);
 struct record_steps record_steps(const struct stp_plan *plan, uint32_t part);
@@ -114,6 +150,6 @@ enum stp_result record_check_features(const struct stp_env *env, const struct st
                                       const struct stp_plan *plan);
 /* A few more frames, timed pass by pass: stats->pass gets the medians. */
 enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
-                               struct stp_render_stats *stats);
+                               const struct stp_scene *scene, struct stp_render_stats *stats);
 
 #endif

@@ -76,9 +76,26 @@ static enum stp_result read_remaining(const struct stp_env *env, struct record_f
     return STP_OK;
 }
 
+/* The exchange that comes after a part, where there is one; collective. */
+static enum stp_result exchange(const struct stp_env *env, struct record_frame *frame,
+                                const struct stp_scene *scene, uint32_t part, double *pass_ms,
+                                enum stp_result result)
+{
+    struct record_steps steps = record_steps(frame->plan, part);
+    if (steps.exchange == RECORD_NO_PASS)
+        return result;
+    double start = now_ms();
+    result = record_exchange(env, frame, scene, &frame->plan->pass[steps.exchange],
+                             steps.first_sample, result);
+    if (pass_ms)
+        pass_ms[steps.exchange] += now_ms() - start;
+    return result;
+}
+
 /* All parts of a tile; adds the passes' times where pass_ms is not NULL. */
 static enum stp_result run_tile(const struct stp_env *env, struct record_frame *frame,
-                                const struct plan_tile *tile, double *pass_ms)
+                                const struct stp_scene *scene, const struct plan_tile *tile,
+                                double *pass_ms)
 {
     uint32_t parts = record_parts(frame->plan);
     enum stp_result result = STP_OK;
@@ -92,6 +109,8 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
         result = run_part(env, frame, tile, part, pass_ms != NULL);
         if (result == STP_OK && pass_ms)
             result = add_timestamps(env, frame, part, pass_ms);
+        if (frame->share)
+            result = exchange(env, frame, scene, part, pass_ms, result);
         if (result == STP_OK)
             result = read_remaining(env, frame, &remaining);
         part += !loops;
@@ -107,7 +126,7 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
     *ms = *read_back_ms = 0;
     for (uint32_t i = 0; i < plan->tile_count; i++) {
         double start = now_ms();
-        enum stp_result result = run_tile(env, frame, &plan->tile[i], NULL);
+        enum stp_result result = run_tile(env, frame, scene, &plan->tile[i], NULL);
         if (result != STP_OK)
             return result;
         double end = now_ms();
@@ -127,7 +146,7 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
 
 /* A few more frames with a timestamp and a full barrier after every pass: the medians. */
 enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
-                               struct stp_render_stats *stats)
+                               const struct stp_scene *scene, struct stp_render_stats *stats)
 {
     const struct stp_plan *plan = frame->plan;
     double ms[PROFILED][PLAN_MAX_PASSES] = { 0 }, column[PROFILED];
@@ -135,7 +154,7 @@ enum stp_result record_profile(const struct stp_env *env, struct record_frame *f
         return STP_OK;
     for (unsigned f = 0; f < PROFILED; f++) {
         for (uint32_t t = 0; t < plan->tile_count; t++) {
-            enum stp_result result = run_tile(env, frame, &plan->tile[t], ms[f]);
+            enum stp_result result = run_tile(env, frame, scene, &plan->tile[t], ms[f]);
             if (result != STP_OK)
                 return result;
         }
@@ -163,7 +182,7 @@ static enum stp_result time_frames(const struct stp_env *env, struct record_fram
         stats->frame_ms_median = median(ms, repeat);
         stats->frame_ms_min = ms[0];
         stats->frame_ms_max = ms[repeat - 1];
-        result = record_profile(env, frame, stats);
+        result = record_profile(env, frame, scene, stats);
     }
     mem_free(ms);
     return result;
@@ -206,8 +225,8 @@ enum stp_result record_check_features(const struct stp_env *env, const struct st
 
 static enum stp_result render_on_device(const struct stp_env *env, struct stp_context *context,
                                         const struct stp_scene *scene, const struct stp_plan *plan,
-                                        unsigned repeat, struct stp_image **image,
-                                        struct stp_render_stats *stats)
+                                        struct record_share *share, unsigned repeat,
+                                        struct stp_image **image, struct stp_render_stats *stats)
 {
     struct record_frame frame;
     struct stp_image *made = NULL;
@@ -218,12 +237,15 @@ static enum stp_result render_on_device(const struct stp_env *env, struct stp_co
     if (usable != STP_OK)
         return usable;
     context->env = env;
-    enum stp_result result = record_picture(env, scene, plan, &made);
+    enum stp_result result = STP_OK;
+    if (plan_is_root(plan))
+        result = record_picture(env, scene, plan, &made);
     double start = now_ms();
     if (result == STP_OK)
         result = record_frame_create(env, context, plan, &frame);
     if (result == STP_OK) {
         double created = now_ms() - start;
+        frame.share = share;
         result = run(env, &frame, scene, repeat, made, stats);
         stats->first_frame_ms += created;
         record_frame_destroy(&frame);
@@ -248,12 +270,89 @@ enum stp_result stp_render(const struct stp_env *env, struct stp_context *contex
     if (!stats)
         stats = &unused;
     *stats = (struct stp_render_stats){ 0 };
+    if (plan->share.count)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the plan is for one of several processes: stp_render_share");
     if (plan->method != STP_METHOD_REFERENCE)
-        return context ? render_on_device(env, context, scene, plan, repeat, image, stats)
+        return context ? render_on_device(env, context, scene, plan, NULL, repeat, image, stats)
                        : log_error(env, STP_ERROR_ARGUMENT, "method %s needs a context",
                                    stp_method_name(plan->method));
     double start = now_ms();
     enum stp_result result = reference_render(env, scene, &plan->camera, &plan->params, image);
     stats->first_frame_ms = now_ms() - start;
+    return result;
+}
+
+/* A number that processes with the same picture before them share (FNV-1a), below 2^62. */
+static int64_t fingerprint(const struct stp_plan *plan, unsigned repeat)
+{
+    const uint64_t parts[] = { plan->facts.splats,    plan->facts.objects,
+                               plan->camera.width,    plan->camera.height,
+                               plan->tile_width,      plan->tile_height,
+                               plan->tile_count,      plan->params.aovs,
+                               plan_samples(plan),    repeat,
+                               plan->facts.has_color, plan->share.count };
+    uint64_t hash = 0xcbf29ce484222325u;
+    for (unsigned i = 0; i < sizeof parts / sizeof *parts; i++)
+        hash = (hash ^ parts[i]) * 0x100000001b3u;
+    return (int64_t)(hash >> 2);
+}
+
+/* Collective, when all have agreed that nobody has failed. */
+static enum stp_result check_alike(const struct stp_env *env, const struct stp_machines *m,
+                                   const struct stp_plan *plan, unsigned repeat)
+{
+    int64_t mine = fingerprint(plan, repeat), both[2] = { mine, -mine };
+    m->reduce(m->user, STP_REDUCE_MINIMUM, both, 2, true);
+    if (both[0] == -both[1])
+        return STP_OK;
+    return m->rank == 0 ? log_error(env, STP_ERROR_ARGUMENT,
+                                    "the processes have planned different pictures: give all the "
+                                    "same scene, options and kind of device")
+                        : STP_ERROR_ARGUMENT;
+}
+
+static enum stp_result check_share(const struct stp_env *env, const struct stp_context *context,
+                                   const struct stp_scene *scene, const struct stp_plan *plan,
+                                   const struct stp_machines *m)
+{
+    if (!context)
+        return log_error(env, STP_ERROR_ARGUMENT, "method %s needs a context",
+                         stp_method_name(plan->method));
+    if (plan->share.count != m->count || plan->share.rank != m->rank ||
+        scene->share.count != m->count || scene->share.rank != m->rank)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "process %u of %u has the scene of %u of %u, and a plan for %u of %u",
+                         m->rank, m->count, scene->share.rank, scene->share.count, plan->share.rank,
+                         plan->share.count);
+    return STP_OK;
+}
+
+enum stp_result stp_render_share(const struct stp_env *env, struct stp_context *context,
+                                 const struct stp_scene *scene, const struct stp_plan *plan,
+                                 const struct stp_machines *machines, unsigned repeat,
+                                 struct stp_image **image, struct stp_render_stats *stats)
+{
+    struct stp_render_stats unused;
+    struct record_share share = { .machines = machines };
+    struct stp_image *made = NULL;
+    stats = stats ? stats : &unused;
+    *stats = (struct stp_render_stats){ 0 };
+    enum stp_result result = check_share(env, context, scene, plan, machines);
+    if (result == STP_OK)
+        result = record_share_create(env, plan, machines, &share);
+    result = record_agree(&share, result);
+    if (result == STP_OK)
+        result = check_alike(env, machines, plan, repeat);
+    share.agreed |= result != STP_OK;
+    if (result == STP_OK)
+        result = render_on_device(env, context, scene, plan, &share, repeat, &made, stats);
+    if (!share.agreed)
+        result = record_agree(&share, result);
+    record_share_destroy(&share);
+    if (result == STP_OK)
+        *image = made;
+    else
+        stp_image_destroy(&made);
     return result;
 }

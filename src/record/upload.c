@@ -9,6 +9,7 @@
 #include "prepare/environment.h"
 #include "scene/optics.h"
 #include "scene/scene.h"
+#include "scene/volume.h"
 
 struct packing {
     const struct splats *splats;
@@ -105,6 +106,52 @@ static enum stp_result upload_points(const struct stp_env *env, struct record_fr
     return result;
 }
 
+struct kernel_packing {
+    const struct stp_scene *scene;
+    const uint32_t *order;
+    float (*out)[8];
+};
+
+/* Two vectors a splat of a list: centre relative to the origin and tau; colour and normal. */
+static void pack_kernels(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct kernel_packing *p = context;
+    const struct kernels *k = &p->scene->volume->kernels;
+    const struct grid *grid = &p->scene->volume->grid;
+    for (size_t i = begin; i < end; i++) {
+        uint32_t id = p->order[i], at[3], normal = STP_NO_NORMAL;
+        float *out = p->out[i];
+        voxel_place(grid, k->voxel[id], at);
+        for (int a = 0; a < 3; a++) {
+            double place = grid->origin[a] + at[a] * grid->spacing[a];
+            out[a] = (float)(place - p->scene->splats.origin[a]);
+            out[4 + a] = k->color[id][a];
+        }
+        out[3] = k->tau[id];
+        if (k->normal)
+            normal = octahedral(k->normal[id]);
+        memcpy(&out[7], &normal, 4);
+    }
+}
+
+static enum stp_result upload_kernels(const struct stp_env *env, struct record_frame *frame,
+                                      const struct stp_scene *scene, struct gpu_buffer *buffer)
+{
+    const struct axis_lists *lists = &frame->plan->axis;
+    struct kernel_packing packing = { scene, lists->order, NULL };
+    bool direct = buffer->mapped && buffer->coherent;
+    packing.out = direct ? buffer->mapped : mem_alloc(lists->count, 32);
+    if (!packing.out)
+        return log_no_memory(env, lists->count * 32, "staging of kernels");
+    parallel_for(env, lists->count, 16384, pack_kernels, &packing);
+    if (direct)
+        return STP_OK;
+    enum stp_result result =
+        gpu_upload(env, frame->context, buffer, packing.out, lists->count * 32);
+    mem_free(packing.out);
+    return result;
+}
+
 static enum stp_result upload_objects(const struct stp_env *env, struct record_frame *frame,
                                       const struct splats *splats, struct gpu_buffer *buffer)
 {
@@ -193,7 +240,8 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
             continue;
         switch (frame->plan->resource[i].slot) {
         case PLAN_SPLATS:
-            result = upload_splats(env, frame, &scene->splats, buffer);
+            result = scene->volume ? upload_kernels(env, frame, scene, buffer)
+                                   : upload_splats(env, frame, &scene->splats, buffer);
             break;
         case PLAN_COLORS:
             result = gpu_upload(env, frame->context, buffer, scene->splats.color,
@@ -224,11 +272,21 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
                                 scene->environment.texel_count * sizeof *scene->environment.texel);
             break;
         case PLAN_ORDER:
-            result = upload_order(env, frame, &scene->splats, buffer);
+            result = scene->volume
+                         ? gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.entry,
+                                      frame->plan->resource[i].bytes)
+                         : upload_order(env, frame, &scene->splats, buffer);
+            break;
+        case PLAN_COUNTS:
+            if (scene->volume)
+                result = gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.first,
+                                    frame->plan->resource[i].bytes);
             break;
         default:
             break;
         }
     }
+    if (result == STP_OK && frame->share)
+        result = record_ghosts(env, frame);
     return result;
 }

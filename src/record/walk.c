@@ -165,8 +165,8 @@ static void stamp(struct record_frame *frame, VkCommandBuffer commands, uint32_t
                                             frame->queries, query);
 }
 
-/* Outputs to where the host reads them. */
-static void finish(struct record_frame *frame, VkCommandBuffer commands)
+/* What was written to where the host reads it; in the end, outputs that it does not see. */
+static void finish(struct record_frame *frame, VkCommandBuffer commands, bool last)
 {
     const struct stp_plan *plan = frame->plan;
     bool copies = false;
@@ -178,7 +178,7 @@ static void finish(struct record_frame *frame, VkCommandBuffer commands)
         .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT
     };
     barrier(frame, commands, &memory);
-    for (uint32_t i = 0; i < plan->resource_count; i++) {
+    for (uint32_t i = 0; last && i < plan->resource_count; i++) {
         if (!frame->read_back[i].handle)
             continue;
         VkBufferCopy copy = { .size = plan->resource[i].bytes };
@@ -213,16 +213,57 @@ static void push_sample(struct record_frame *frame, VkCommandBuffer commands, ui
                                           PASS_PUSH_SAMPLE, sizeof sample, &sample);
 }
 
+static uint32_t exchanges(const struct stp_plan *plan)
+{
+    uint32_t count = 0;
+    for (uint32_t i = plan->repeat_first; i < plan->repeat_end; i++)
+        count += plan->pass[i].kind == PLAN_EXCHANGE;
+    return count;
+}
+
+/* The index of the n-th exchange; with n their number, the end of the repeated passes. */
+static uint32_t find_exchange(const struct stp_plan *plan, uint32_t n)
+{
+    for (uint32_t i = plan->repeat_first; i < plan->repeat_end; i++)
+        if (plan->pass[i].kind == PLAN_EXCHANGE && n-- == 0)
+            return i;
+    return plan->repeat_end;
+}
+
+/* A part between exchanges: passes one after another, of one sample. */
+static struct record_steps steps_between(const struct stp_plan *plan, uint32_t part, uint32_t count)
+{
+    uint32_t sample = part / (count + 1), place = part % (count + 1);
+    uint32_t end = find_exchange(plan, place);
+    bool last = sample + 1 == plan_samples(plan) && place == count;
+    struct record_steps steps = { .plan = plan,
+                                  .first_sample = sample,
+                                  .exchange = place < count ? end : RECORD_NO_PASS,
+                                  .last = last };
+    if (place > 0)
+        steps.first_pass = find_exchange(plan, place - 1) + 1;
+    else
+        steps.first_pass = sample == 0 ? 0 : plan->repeat_first;
+    steps.before = (last ? plan->pass_count : end) - steps.first_pass;
+    steps.count = steps.before;
+    return steps;
+}
+
 uint32_t record_parts(const struct stp_plan *plan)
 {
     if (plan->loop_first)
         return 2 * plan_samples(plan) + 1;
+    uint32_t count = exchanges(plan);
+    if (count)
+        return plan_samples(plan) * (count + 1);
     return (plan_samples(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
 }
 
 static struct record_steps looping_steps(const struct stp_plan *plan, uint32_t part)
 {
-    struct record_steps steps = { .plan = plan, .first_sample = part / 2 };
+    struct record_steps steps = { .plan = plan,
+                                  .first_sample = part / 2,
+                                  .exchange = RECORD_NO_PASS };
     steps.last = part == 2 * plan_samples(plan);
     steps.loops = part % 2 == 1;
     steps.before = part == 0 ? plan->repeat_first : 0;
@@ -239,8 +280,11 @@ struct record_steps record_steps(const struct stp_plan *plan, uint32_t part)
 {
     if (plan->loop_first)
         return looping_steps(plan, part);
+    uint32_t count = exchanges(plan);
+    if (count)
+        return steps_between(plan, part, count);
     uint32_t first = part * RECORD_SAMPLES, left = plan_samples(plan) - first;
-    struct record_steps steps = { .plan = plan, .first_sample = first };
+    struct record_steps steps = { .plan = plan, .first_sample = first, .exchange = RECORD_NO_PASS };
     uint32_t samples = left < RECORD_SAMPLES ? left : RECORD_SAMPLES;
     steps.before = first == 0 ? plan->repeat_first : 0;
     steps.first = plan->repeat_first;
@@ -257,7 +301,7 @@ uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sam
 {
     *sample = steps->first_sample;
     if (i < steps->before)
-        return i;
+        return steps->first_pass + i;
     i -= steps->before;
     if (i >= steps->repeated)
         return steps->plan->repeat_end + i - steps->repeated;
@@ -293,6 +337,6 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
     }
     if (plan->loop_first && !frame->pipelines->host)
         copy_remaining(frame, commands);
-    if (steps.last && !frame->pipelines->host)
-        finish(frame, commands);
+    if ((steps.last || steps.exchange != RECORD_NO_PASS) && !frame->pipelines->host)
+        finish(frame, commands, steps.last);
 }

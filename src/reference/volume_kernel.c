@@ -31,9 +31,7 @@ static void set_shape(struct medium *medium)
         half[2] += s * s * a.z * a.z;
     }
     medium->half = v3_scale(v3(sqrt(half[0]), sqrt(half[1]), sqrt(half[2])), KERNEL_REACH);
-    double sigma3 = KERNEL_SIGMA * KERNEL_SIGMA * KERNEL_SIGMA;
-    double kept = -expm1(-0.5 * KERNEL_REACH * KERNEL_REACH);
-    medium->amplitude = 1 / (pow(2 * M_PI, 1.5) * sigma3 * kept);
+    medium->amplitude = kernel_amplitude();
 }
 
 struct vec3 medium_centre(const struct medium *medium, uint32_t kernel)

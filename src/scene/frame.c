@@ -149,6 +149,8 @@ static enum stp_result check(const struct stp_scene *scene, const struct stp_fra
 {
     if (!scene->prepared)
         return log_error(NULL, STP_ERROR_ARGUMENT, "the scene must be prepared to be framed");
+    if (scene->share.count)
+        return log_error(NULL, STP_ERROR_ARGUMENT, "frame the scene before it is shared");
     if (!isfinite(p->azimuth) || !isfinite(p->elevation))
         return log_error(NULL, STP_ERROR_ARGUMENT, "the view's azimuth or elevation is not finite");
     if (!(p->fov_y >= 0 && p->fov_y < 3.1415))

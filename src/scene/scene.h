@@ -54,6 +54,12 @@ struct scene_environment {
     size_t texel_count;
 };
 
+/* Of a scene that keeps a share of its splats (stp_scene_share). */
+struct scene_share {
+    unsigned rank, count; /* count 0: the scene is whole */
+    size_t first;         /* canonical id of the first splat that is kept */
+};
+
 struct stp_scene {
     struct scene_object *objects;
     unsigned object_count;
@@ -70,6 +76,7 @@ struct stp_scene {
     double core[6]; /* set by prepare, min x y z max x y z: splats whose centres are outside are
                        outliers that automatic framing leaves out */
     bool prepared;
+    struct scene_share share;
 };
 
 void environment_release(struct scene_environment *environment);

@@ -6,6 +6,8 @@
 #ifndef STP_SCENE_VOLUME_H
 #define STP_SCENE_VOLUME_H
 
+#include <math.h>
+
 #include "load/volume.h"
 
 #define KERNEL_SIGMA 0.55 /* spacings */
@@ -68,6 +70,13 @@ static inline void voxel_place(const struct grid *grid, uint32_t voxel, uint32_t
     at[0] = voxel % grid->dims[0];
     at[1] = voxel / grid->dims[0] % grid->dims[1];
     at[2] = voxel / grid->dims[0] / grid->dims[1];
+}
+
+/* a: exp(-REACH^2 / 2) of the integral is cut away. */
+static inline double kernel_amplitude(void)
+{
+    double kept = -expm1(-0.5 * KERNEL_REACH * KERNEL_REACH);
+    return 1 / (pow(2 * M_PI, 1.5) * KERNEL_SIGMA * KERNEL_SIGMA * KERNEL_SIGMA * kept);
 }
 
 struct stp_scene;

@@ -29,6 +29,11 @@ DAMAGED = [
 ]
 
 
+SMALL_DEVICE = (b'{"device": "d", "driver": "d", "features": [], "heap_bytes": 1000000, '
+                b'"max_allocation": 4096, "max_image_size": 64, "max_image_layers": 1, '
+                b'"max_workgroups": 65535, "processor": 1}')
+
+
 class Inputs(command.CommandTest):
     def setUp(self):
         super().setUp()
@@ -75,6 +80,25 @@ class Inputs(command.CommandTest):
     def test_limits(self):
         self.write("limits.json", b"{]")
         self.fails(3, ["limits.json"], "plan", "ball.ply", "--limits", "limits.json")
+        self.write("small.json", SMALL_DEVICE)
+        self.fails(1, ["one buffer takes", "allows 4096"], "plan", "ball.ply", "--limits",
+                   "small.json")
+
+    def test_damaged_camera_path(self):
+        """What comes before the damaged camera is done, and the line says which one it is."""
+        self.done("render", "ball.ply", "--stats", "x.json", "--write-camera", "one.json",
+                  "--method", "reference", "--size", "8x8")
+        one = self.read("one.json").decode()
+        for damaged in ['{}', '7', '{"world_to_camera": [1, 2]}', 'null', '[]']:
+            self.write("path.json", "[%s, %s, %s]" % (one, damaged, one))
+            run = self.run_tool("render", "ball.ply", "--camera", "path.json", "--frames", "0:2",
+                                "-o", "f.%d.exr", "--method", "reference", "--size", "8x8")
+            self.assertEqual(run.returncode, 3, run.stderr)
+            self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+            self.assertIn("[1]", run.stderr)
+            made = sorted(name for name in os.listdir(self.folder) if name.startswith("f."))
+            self.assertEqual(made, ["f.0.exr"])
+            os.unlink(self.path("f.0.exr"))
 
     def test_pictures(self):
         self.fails(3, ["missing.exr"], "compare", "missing.exr", "out.exr")

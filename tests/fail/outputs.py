@@ -62,6 +62,38 @@ class Outputs(command.CommandTest):
         self.assertEqual(run.returncode, 1)
         self.assertIn("standard output", run.stderr)
 
+    def test_closed_standard_output(self):
+        run = subprocess.run([command.TOOL, "info", "ball.ply"], cwd=self.folder, timeout=60,
+                             stderr=subprocess.PIPE, text=True,
+                             preexec_fn=lambda: os.close(1))
+        self.assertEqual(run.returncode, 1)
+        self.assertIn("standard output", run.stderr)
+        run = subprocess.run([command.TOOL, "render", "ball.ply", "-o", "out.exr", *REFERENCE],
+                             cwd=self.folder, timeout=60, preexec_fn=lambda: os.closerange(0, 3))
+        self.assertEqual(run.returncode, 0)
+        self.assertEqual(self.read("out.exr")[:4], b"v/1\x01")
+
+    def test_odd_environment(self):
+        self.done("render", "ball.ply", "-o", "plain.exr", *REFERENCE)
+        for name, value in [("LC_ALL", "de_DE.UTF-8"), ("LC_ALL", "no such"), ("TERM", ""),
+                            ("HOME", ""), ("TMPDIR", "/nonexistent"), ("COLUMNS", "0"),
+                            ("MALLOC_PERTURB_", "165")]:
+            self.done("render", "ball.ply", "-o", "out.exr", *REFERENCE, env={name: value})
+            self.assertEqual(self.read("out.exr"), self.read("plain.exr"), name)
+
+    def test_signals(self):
+        """Without a terminal, on a device too; the old files stay and no other is left."""
+        before = self.listing()
+        for number, method in [(signal.SIGINT, LONG), (signal.SIGTERM, LONG),
+                               (signal.SIGTERM, ["--samples", "4096", "--size", "1024x1024"])]:
+            process = subprocess.Popen([command.TOOL, "render", "ball.ply", "-o", "out.exr",
+                                        "--preview", "out.png", *method], cwd=self.folder)
+            with self.assertRaises(subprocess.TimeoutExpired):
+                process.wait(0.7)
+            process.send_signal(number)
+            self.assertEqual(process.wait(60), -number)
+            self.assertEqual(self.listing(), before)
+
     def test_no_device(self):
         none = {"VK_ICD_FILENAMES": "/nonexistent.json", "VK_DRIVER_FILES": "/nonexistent.json"}
         self.fails(1, ["Vulkan", "mesa-vulkan-drivers", "--method reference"], "render",

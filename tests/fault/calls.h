@@ -51,6 +51,7 @@
     X(Fence, HOST, MEMORY)                                                                         \
     X(CommandPool, HOST, MEMORY)                                                                   \
     X(Buffer, HOST, MEMORY)                                                                        \
+    X(BufferView, HOST, MEMORY)                                                                    \
     X(Image, HOST, MEMORY)                                                                         \
     X(ImageView, HOST, MEMORY)                                                                     \
     X(Sampler, HOST, MEMORY)                                                                       \

@@ -290,6 +290,18 @@ static VKAPI_ATTR void VKAPI_CALL fault_vkGetPhysicalDeviceMemoryProperties(
 WRAP_REQUIREMENTS(Buffer)
 WRAP_REQUIREMENTS(Image)
 
+#define WRAP_FORESEEN(type)                                                                        \
+    static VKAPI_ATTR void VKAPI_CALL fault_vkGetDevice##type##MemoryRequirements(                 \
+        VkDevice device, const VkDevice##type##MemoryRequirements *info,                           \
+        VkMemoryRequirements2 *needs)                                                              \
+    {                                                                                              \
+        REAL(vkGetDevice##type##MemoryRequirements)(device, info, needs);                          \
+        if (fault.discrete)                                                                        \
+            needs->memoryRequirements.memoryTypeBits = 7;                                          \
+    }
+WRAP_FORESEEN(Buffer)
+WRAP_FORESEEN(Image)
+
 /* --- instance and device ---------------------------------------------------------------------- */
 
 static VKAPI_ATTR VkResult VKAPI_CALL fault_vkCreateInstance(const VkInstanceCreateInfo *info,
@@ -366,6 +378,8 @@ static PFN_vkVoidFunction wrapper(const char *name)
         ENTRY(vkGetPhysicalDeviceMemoryProperties)
         ENTRY(vkGetBufferMemoryRequirements)
         ENTRY(vkGetImageMemoryRequirements)
+        ENTRY(vkGetDeviceBufferMemoryRequirements)
+        ENTRY(vkGetDeviceImageMemoryRequirements)
         ENTRY(vkCreateInstance)
         ENTRY(vkDestroyInstance)
         ENTRY(vkCreateDevice)

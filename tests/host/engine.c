@@ -31,7 +31,7 @@ static VKAPI_ATTR VkBool32 VKAPI_CALL message(VkDebugUtilsMessageSeverityFlagBit
     return VK_FALSE;
 }
 
-static void make_instance(struct engine *e)
+static void make_instance(struct engine *e, bool validate)
 {
     const char *layer = "VK_LAYER_KHRONOS_validation";
     const char *extensions[] = { VK_EXT_DEBUG_UTILS_EXTENSION_NAME,
@@ -56,13 +56,15 @@ static void make_instance(struct engine *e)
                                       .pApplicationName = "engine",
                                       .apiVersion = VK_API_VERSION_1_3 };
     VkInstanceCreateInfo info = { .sType = VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO,
-                                  .pNext = &validation,
+                                  .pNext = validate ? &validation : NULL,
                                   .pApplicationInfo = &application,
-                                  .enabledLayerCount = 1,
+                                  .enabledLayerCount = validate ? 1 : 0,
                                   .ppEnabledLayerNames = &layer,
-                                  .enabledExtensionCount = 2,
+                                  .enabledExtensionCount = validate ? 2 : 0,
                                   .ppEnabledExtensionNames = extensions };
     CHECK(vkCreateInstance(&info, NULL, &e->instance));
+    if (!validate)
+        return;
     PFN_vkCreateDebugUtilsMessengerEXT make =
         (PFN_vkCreateDebugUtilsMessengerEXT)vkGetInstanceProcAddr(e->instance,
                                                                   "vkCreateDebugUtilsMessengerEXT");
@@ -92,9 +94,9 @@ static void make_device(struct engine *e, const char *masked)
     uint32_t count = 1;
     VkResult found = vkEnumeratePhysicalDevices(e->instance, &count, &e->physical);
     assert_true(found == VK_SUCCESS || found == VK_INCOMPLETE);
-    stp_vulkan_features(NULL, &supported); /* for its chain */
+    stp_vulkan_wanted_features(NULL, &supported); /* for its chain */
     vkGetPhysicalDeviceFeatures2(e->physical, &supported.core);
-    stp_vulkan_features(&supported, &e->features);
+    stp_vulkan_wanted_features(&supported, &e->features);
     mask(e, masked);
     float priority = 1;
     VkDeviceQueueCreateInfo queue = { .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
@@ -135,7 +137,7 @@ static void make_commands(struct engine *e)
 void engine_open(struct engine *e, const char *masked)
 {
     *e = (struct engine){ .env = { .threads = 2, .log = keep_line, .user = e } };
-    make_instance(e);
+    make_instance(e, !masked || !strstr(masked, "validation"));
     make_device(e, masked);
     make_commands(e);
 }
@@ -151,10 +153,12 @@ void engine_close(struct engine *e)
     vkDestroyDevice(e->device, NULL);
     if (e->messages)
         fail_msg("%u validation messages, the last: %s", e->messages, e->last);
-    PFN_vkDestroyDebugUtilsMessengerEXT destroy =
-        (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
-            e->instance, "vkDestroyDebugUtilsMessengerEXT");
-    destroy(e->instance, e->messenger, NULL);
+    if (e->messenger) {
+        PFN_vkDestroyDebugUtilsMessengerEXT destroy =
+            (PFN_vkDestroyDebugUtilsMessengerEXT)vkGetInstanceProcAddr(
+                e->instance, "vkDestroyDebugUtilsMessengerEXT");
+        destroy(e->instance, e->messenger, NULL);
+    }
     vkDestroyInstance(e->instance, NULL);
 }
 

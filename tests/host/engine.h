@@ -37,7 +37,7 @@ struct engine {
 };
 
 /* masked: recommended features, by name, that are left off; NULL: none. Validation,
- * synchronisation and best-practice validation on. */
+ * synchronisation and best-practice validation on, unless "validation" is masked too, to time. */
 void engine_open(struct engine *engine, const char *masked);
 /* Fails on any validation message. */
 void engine_close(struct engine *engine);

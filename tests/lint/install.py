@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What `ninja install` puts down can be used: the library shows only stp_ symbols, README's example
-builds with the pkg-config file and runs, the command and the manual page are there.
-usage: install.py BUILD CC"""
+builds with the pkg-config file and runs, a host in C++ does, the command and the manual page are there.
+usage: install.py BUILD CC CXX"""
 import glob
 import os
 import re
@@ -41,6 +41,40 @@ def example():
     return f"{include}\nint main(void)\n{{\n{body}\nreturn stp_version()[0] == 0;\n}}\n"
 
 
+HOST = """#include <stipple/stipple.h>
+#include <stipple/vulkan.h>
+int main()
+{
+    stp_vulkan_features features;
+    unsigned count = 0;
+    stp_vulkan_wanted_features(nullptr, &features);
+    stp_import import = {};
+    stp_context *context = nullptr;
+    stp_env quiet = {};
+    quiet.log = [](void *, stp_log_level, const char *) {};
+    return stp_vulkan_feature_list(&count)[0].required && count > 6 &&
+                   features.v12.bufferDeviceAddress &&
+                   stp_context_import(&quiet, &import, &context) == STP_ERROR_ARGUMENT
+               ? 0
+               : 1;
+}
+"""
+
+
+def host_faults(folder, compiler):
+    """A host in C++17, from the installed headers alone."""
+    pkgconfig = os.path.dirname(one(folder, "stipple.pc"))
+    env = {**os.environ, "PKG_CONFIG_PATH": pkgconfig, "PKG_CONFIG_SYSROOT_DIR": folder}
+    flags = run("pkg-config", "--cflags", "--libs", "stipple", env=env).split()
+    source, program = os.path.join(folder, "host.cpp"), os.path.join(folder, "host")
+    with open(source, "w", encoding="utf-8") as file:
+        file.write(HOST)
+    run(*compiler.split(), "-std=c++17", "-Wall", "-Wextra", "-Werror", source, "-o", program, *flags)
+    env["LD_LIBRARY_PATH"] = os.path.dirname(one(folder, "libstipple.so"))
+    if subprocess.run([program], env=env).returncode:
+        yield "the host in C++ failed"
+
+
 def program_faults(folder, compiler):
     """Builds and runs the example in `folder`, on a small scan.ply that is text."""
     pkgconfig = os.path.dirname(one(folder, "stipple.pc"))
@@ -59,16 +93,17 @@ def program_faults(folder, compiler):
         yield "the program does not ask for libstipple.so.0"
 
 
-def main(build, compiler):
+def main(build, compiler, cxx):
     faults = []
     with tempfile.TemporaryDirectory() as folder:
         run("meson", "install", "-C", build, "--no-rebuild", "--destdir", folder)
         run(one(folder, "bin/stipple"), "--version")
         faults += symbol_faults(os.path.realpath(one(folder, "libstipple.so")))
         faults += program_faults(folder, compiler)
+        faults += host_faults(folder, cxx)
         for name in ["stipple.1", "include/stipple/stipple.h"]:
             one(folder, name)
-    tree.finish(4, faults)
+    tree.finish(5, faults)
 
 
-main(*sys.argv[1:3])
+main(*sys.argv[1:4])

@@ -53,6 +53,7 @@ static void test_damaged(void **state)
         { "\"heap_bytes\"", "\"heap\"", "heap_bytes" },
         { "4294967292", "0", "max_allocation" },
         { "32768", "4294967296", "max_image_size" },
+        { "32768", "32768.5", "max_image_size" },
         { "2048", "null", "max_image_layers" },
         { "\"processor\": 2", "\"processor\": 3", "processor" },
         { ", \"processor\": 2", "", "processor" },

@@ -125,6 +125,7 @@ static void little_memory(struct inputs *in)
 static void little_heap(struct inputs *in)
 {
     in->limits.heap_bytes = 3000; /* less than the scene */
+    in->params.method = STP_METHOD_EXACT;
 }
 static void not_prepared(struct inputs *in)
 {

@@ -120,12 +120,39 @@ static void test_limits_of_the_device(void **state)
     }
 }
 
+/* What the device cannot hold is left to the CPU where no method is asked for, and said. */
+static void test_too_large_for_the_device(void **state)
+{
+    for (int allocation = 0; allocation < 2; allocation++) {
+        struct inputs in = plain_inputs();
+        if (allocation)
+            in.limits.max_allocation = 100 * 32 - 1;
+        else
+            in.limits.heap_bytes = 100 * 32;
+        struct stp_plan *plan = plan_of(&in);
+        assert_int_equal(plan->method, STP_METHOD_REFERENCE);
+        assert_int_equal(plan->resource_count + plan->pass_count + plan->tile_count, 0);
+        assert_non_null(strstr(plan->why, "100 splats are more than the device"));
+        stp_plan_destroy(&plan);
+        in.params.method = STP_METHOD_TWO_PASS;
+        struct plan_log log = { 0 };
+        struct stp_env env = { .log = plan_keep_line, .user = &log };
+        assert_int_equal(stp_plan_create(&env, in.scene, &in.camera, &in.params, &in.limits, &plan),
+                         STP_ERROR_DEVICE_MEMORY);
+        assert_null(plan);
+        assert_int_equal(log.lines, 1);
+        assert_non_null(strstr(log.last, "the scene takes"));
+        release_inputs(&in);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_partition),
         cmocka_unit_test(test_one_tile_where_it_fits),
         cmocka_unit_test(test_limits_of_the_device),
+        cmocka_unit_test(test_too_large_for_the_device),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,43 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Kernels of the lists into the camera frame, lit once, at their centres.
+#include "lib/common.glsl"
+#include "lib/pixel.glsl"
+#include "lib/shade.glsl"
+layout(local_size_x = STP_GROUP) in;
+
+vec3 decode_normal(uint encoded)
+{
+    vec2 e = unpackSnorm2x16(encoded);
+    vec3 n = vec3(e, 1 - abs(e.x) - abs(e.y));
+    float fold = max(-n.z, 0);
+    n.xy += vec2(n.x >= 0 ? -fold : fold, n.y >= 0 ? -fold : fold);
+    return normalize(n);
+}
+
+vec3 turn(vec3 v)
+{
+    const float r[9] = frame.rotation;
+    return vec3(r[0] * v.x + r[1] * v.y + r[2] * v.z, r[3] * v.x + r[4] * v.y + r[5] * v.z,
+                r[6] * v.x + r[7] * v.y + r[8] * v.z);
+}
+
+void main()
+{
+    uint i = workgroup_index() * STP_GROUP + gl_LocalInvocationIndex;
+    if (i >= frame.axis.splats)
+        return;
+    vec4 place = frame.splats.v[2 * i], look = frame.splats.v[2 * i + 1];
+    vec3 c = turn(place.xyz) + vec3(frame.translation[0], frame.translation[1],
+                                    frame.translation[2]);
+    vec3 color = look.xyz;
+    uint encoded = floatBitsToUint(look.w);
+    if (!UNLIT && encoded != STP_NO_NORMAL) {
+        vec3 n = turn(decode_normal(encoded));
+        if ((ORTHOGRAPHIC ? n.z : dot(n, c)) > 0)
+            n = -n;
+        color = shade_at(frame.materials.v[0], color, n, c);
+    }
+    frame.projected.v[2 * i] = vec4(c, place.w);
+    frame.projected.v[2 * i + 1] = vec4(color, 0);
+}

@@ -1,0 +1,206 @@
+/* HM 5: every walk in the order of its list into its own pair of images by the rasteriser, or into
+ * its own sums block by block in compute; then one pass that merges them by what each pixel's ray
+ * says. */
+#include "plan/plan.h"
+
+#include <math.h>
+#include <stdio.h>
+
+#include "base/log.h"
+#include "base/vec.h"
+#include "scene/scene.h"
+#include "scene/volume.h"
+
+#define DEFAULT_H   0.85 /* HM 5.2 */
+#define MOST_PASSES 64   /* over blocks: parts of walks */
+_Static_assert(AXIS_BLOCK == STP_BLOCK && MOST_PASSES + 2 <= PLAN_MAX_PASSES, "blocks");
+
+/* Of a kernel, in the frame of the shaders: x right, y down, z forward. */
+static void set_shape(struct stp_plan *plan, const struct volume *volume)
+{
+    struct stp_axis_gpu *axis = &plan->frame.axis;
+    double precision[6] = { 0 }, half[3] = { 0 };
+    for (int a = 0; a < 3; a++) {
+        double s = KERNEL_SIGMA * volume->grid.spacing[a], w = 1 / (s * s);
+        const double *m = plan->camera.world_to_camera;
+        const double d[3] = { m[a], -m[4 + a], -m[8 + a] };
+        for (int i = 0, at = 0; i < 3; i++) {
+            half[i] += s * s * d[i] * d[i];
+            for (int j = i; j < 3; j++)
+                precision[at++] += w * d[i] * d[j];
+        }
+    }
+    for (int i = 0; i < 6; i++)
+        axis->shape[i] = (float)precision[i];
+    for (int i = 0; i < 3; i++)
+        axis->extent[i] = (float)(KERNEL_REACH * sqrt(half[i]));
+    axis->scale = (float)(kernel_amplitude() * sqrt(2 * M_PI));
+    axis->reach2 = (float)(KERNEL_REACH * KERNEL_REACH);
+    axis->least_alpha = (float)LEAST_ALPHA;
+}
+
+/* Does near or far cut any kernel? Else shaders have no code for it. */
+static bool is_cut(const struct stp_plan *plan, const struct stp_scene *scene)
+{
+    const double *b = scene->core;
+    double low = INFINITY, high = -INFINITY;
+    for (int i = 0; i < 8; i++) {
+        struct vec3 corner = v3(b[i & 1 ? 3 : 0], b[i & 2 ? 4 : 1], b[i & 4 ? 5 : 2]);
+        double depth = -m4_point(plan->camera.world_to_camera, corner).z;
+        low = fmin(low, depth);
+        high = fmax(high, depth);
+    }
+    /* The tails beyond the reach: half as much again leaves a share of 1 - 3e-6. */
+    double more = 0.5 * (double)plan->frame.axis.extent[2];
+    return low - more < plan->camera.near_depth || high + more > plan->camera.far_depth;
+}
+
+static uint32_t parts_of(const struct stp_plan *plan)
+{
+    return (plan->axis_blocks.longest + STP_AXIS_PART - 1) / STP_AXIS_PART;
+}
+
+static enum stp_result prepare_blocks(const struct stp_env *env, struct stp_plan *plan,
+                                      const struct stp_scene *scene)
+{
+    enum stp_result result =
+        axis_blocks_build(env, scene, &plan->camera, &plan->axis, &plan->axis_blocks);
+    if (result != STP_OK)
+        return result;
+    plan->frame.axis.blocks_x = plan->axis_blocks.across;
+    plan->frame.axis.blocks_y = plan->axis_blocks.down;
+    if (parts_of(plan) * plan->axis.walk_count <= MOST_PASSES)
+        return STP_OK;
+    return log_error(env, STP_ERROR_ARGUMENT,
+                     "%u splats of one list lie in 8 x 8 pixels; a picture so small takes --path "
+                     "raster",
+                     plan->axis_blocks.longest);
+}
+
+enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,
+                                  const struct stp_scene *scene)
+{
+    double h = plan->params.axis_h == 0 ? DEFAULT_H : fmax(plan->params.axis_h, 0);
+    if (!(h < 1))
+        return log_error(env, STP_ERROR_ARGUMENT, "axis h %g: it must be below 1", h);
+    enum stp_result result =
+        axis_lists_build(env, scene, &plan->camera, plan->params.axis_merge, h, &plan->axis);
+    if (result != STP_OK)
+        return result;
+    struct stp_axis_gpu *axis = &plan->frame.axis;
+    set_shape(plan, scene->volume);
+    axis->h = (float)h;
+    axis->merge = (uint32_t)plan->params.axis_merge;
+    for (unsigned i = 0; i < plan->axis.walk_count; i++)
+        axis->walk[i] = plan->axis.walk[i].axis | (plan->axis.walk[i].backwards ? 4u : 0u);
+    plan->constant[PLAN_AXIS_WALKS] = plan->axis.walk_count;
+    plan->constant[PLAN_AXIS_CUT] = is_cut(plan, scene);
+    plan->constant[PLAN_UNLIT] = scene->volume->unshaded;
+    return plan->path == STP_PATH_COMPUTE && plan->axis.count ? prepare_blocks(env, plan, scene)
+                                                              : STP_OK;
+}
+
+static void name_walk(const struct stp_plan *plan, unsigned index, char *name, size_t size)
+{
+    static const char *const names[] = { "+x", "-x", "+y", "-y", "+z", "-z" };
+    const struct axis_walk *walk = &plan->axis.walk[index];
+    snprintf(name, size, "walk %s",
+             plan->axis.merge == STP_AXIS_SORT ? "by distance"
+                                               : names[2 * walk->axis + walk->backwards]);
+}
+
+static void draw_walk(struct stp_plan *plan, unsigned index)
+{
+    const struct axis_walk *walk = &plan->axis.walk[index];
+    char name[40];
+    name_walk(plan, index, name, sizeof name);
+    struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
+    pass->vertex = PLAN_SHADER_AXIS_VERTEX;
+    pass->shader = PLAN_SHADER_AXIS_FRAGMENT;
+    pass->raster = PLAN_RASTER_OVER;
+    pass->layer = index;
+    pass->layer_count = 1;
+    pass->first_splat = walk->first;
+    pass->splat_count = walk->count;
+    plan_reads(plan, pass, PLAN_PROJECTED);
+    plan_attaches(plan, pass, PLAN_IMAGE_AXIS_COLOR);
+    plan_attaches(plan, pass, PLAN_IMAGE_AXIS_DEPTH);
+}
+
+static void block_walk(struct stp_plan *plan, unsigned index)
+{
+    char name[40];
+    name_walk(plan, index, name, sizeof name);
+    for (uint32_t part = 0; part < parts_of(plan); part++) {
+        struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
+        pass->shader = PLAN_SHADER_AXIS_BLOCK;
+        pass->layer = index;
+        pass->part = part;
+        pass->groups = (uint32_t)(plan_pixels(plan) / STP_GROUP / STP_BLOCK) + 1;
+        plan_reads(plan, pass, PLAN_PROJECTED);
+        plan_reads(plan, pass, PLAN_ORDER);
+        plan_reads(plan, pass, PLAN_COUNTS);
+        plan_updates(plan, pass, PLAN_AXIS_SUMS);
+    }
+}
+
+static void project(struct stp_plan *plan)
+{
+    plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT, plan->axis.count * 32);
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "project");
+    pass->shader = PLAN_SHADER_AXIS_PROJECT;
+    pass->groups = (uint32_t)((plan->axis.count + STP_GROUP - 1) / STP_GROUP);
+    plan_reads(plan, pass, PLAN_SPLATS);
+    plan_reads(plan, pass, PLAN_MATERIALS);
+    plan_writes(plan, pass, PLAN_PROJECTED);
+}
+
+static void raster(struct stp_plan *plan)
+{
+    plan_image(plan, "walk color", PLAN_IMAGE_AXIS_COLOR, PLAN_RGBA32F, plan->axis.walk_count);
+    plan_image(plan, "walk depth", PLAN_IMAGE_AXIS_DEPTH, PLAN_RG32F, plan->axis.walk_count);
+    project(plan);
+    for (unsigned i = 0; i < plan->axis.walk_count; i++)
+        draw_walk(plan, i);
+}
+
+static void compute(struct stp_plan *plan)
+{
+    plan_resource(plan, "walk sums", PLAN_AXIS_SUMS, PLAN_TRANSIENT,
+                  plan_pixels(plan) * plan->axis.walk_count * 32);
+    project(plan);
+    for (unsigned i = 0; i < plan->axis.walk_count; i++)
+        block_walk(plan, i);
+}
+
+void plan_axis_resources(struct stp_plan *plan)
+{
+    const struct axis_blocks *blocks = &plan->axis_blocks;
+    size_t lists = plan->axis.walk_count * (size_t)blocks->across * blocks->down;
+    if (plan->axis.count)
+        plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE, plan->axis.count * 32);
+    plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE, sizeof(struct stp_material_gpu));
+    if (!blocks->count)
+        return;
+    plan_resource(plan, "block starts", PLAN_COUNTS, PLAN_SCENE, (lists + 1) * 4);
+    plan_resource(plan, "block splats", PLAN_ORDER, PLAN_SCENE, blocks->count * 4);
+}
+
+void plan_axis(struct stp_plan *plan)
+{
+    bool by_raster = plan->path == STP_PATH_RASTER;
+    if (plan->axis.walk_count && by_raster)
+        raster(plan);
+    else if (plan->axis.walk_count)
+        compute(plan);
+    struct plan_pass *merge = plan_pass(plan, PLAN_DISPATCH, "merge");
+    plan_reads(plan, merge, PLAN_ENVIRONMENT);
+    merge->shader = plan->axis.walk_count == 0 ? PLAN_SHADER_AXIS_EMPTY
+                    : by_raster                ? PLAN_SHADER_AXIS_MERGE
+                                               : PLAN_SHADER_AXIS_MERGE_SUMS;
+    plan_reads(plan, merge, PLAN_IMAGE_AXIS_COLOR);
+    plan_reads(plan, merge, PLAN_IMAGE_AXIS_DEPTH);
+    plan_reads(plan, merge, PLAN_AXIS_SUMS);
+    for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_DEPTH; slot++)
+        plan_writes(plan, merge, slot);
+}

@@ -1,0 +1,54 @@
+/* Where on the picture a walk has a weight: rays are linear in the pixel, so that it is the inside
+ * of four straight lines. */
+#ifndef STP_PREPARE_AXIS_REGION_H
+#define STP_PREPARE_AXIS_REGION_H
+
+#include "base/vec.h"
+#include "prepare/axis_lists.h"
+
+/* f(px, py) = x px + y py + c */
+struct axis_line {
+    double x, y, c;
+};
+
+/* A weight is where every line is above 0. */
+struct axis_region {
+    struct axis_line line[5];
+    unsigned count;
+};
+
+/* Pixels [x0, x1] x [y0, y1], both included. */
+struct axis_rectangle {
+    int64_t x0, x1, y0, y1;
+};
+
+/* The picture's rays: world direction = x px + y py + c, by components. */
+struct axis_rays {
+    struct axis_line component[3];
+};
+struct axis_rays axis_rays(const struct stp_camera *camera);
+struct vec3 axis_ray(const struct axis_rays *rays, double px, double py);
+
+struct axis_region axis_region(const struct axis_rays *rays, const struct axis_lists *lists,
+                               const struct axis_walk *walk);
+/* False where no pixel of the rectangle can be in the region. */
+bool axis_region_reaches(const struct axis_region *region, const struct axis_rectangle *rectangle);
+bool axis_region_holds(const struct axis_region *region, double px, double py);
+
+/* What sees the kernels: the eye in the world, and a box that holds any of them. */
+struct axis_view {
+    const struct stp_camera *camera;
+    const struct volume *volume;
+    struct axis_rays rays, starts; /* starts: of the rays, orthographic too */
+    double half[3];                /* of the box around a kernel's reach, camera frame */
+};
+struct axis_view axis_view(const struct stp_scene *scene, const struct stp_camera *camera);
+void axis_centre(const struct axis_view *view, uint32_t voxel, double world[3]);
+/* Pixels of the picture whose centres lie within the kernel's box; false: none. */
+bool axis_pixels(const struct axis_view *view, const double centre[3],
+                 struct axis_rectangle *rectangle);
+/* Has the kernel a fragment at that place of the picture? As docs/axis.md defines it. */
+bool axis_hits(const struct axis_view *view, const double centre[3], double tau, double px,
+               double py);
+
+#endif

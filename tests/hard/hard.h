@@ -1,0 +1,112 @@
+/* The hard cases: scenes that break renderers, generated from a seed, each with a stated outcome
+ * that every method and path has to give, the reference included (docs/hard-cases.md). */
+#ifndef TEST_HARD_HARD_H
+#define TEST_HARD_HARD_H
+
+#include "device.h"
+
+/* What the scenes are made from. Every case holds for every choice. */
+struct hard_options {
+    uint32_t seed;          /* not 0 */
+    uint32_t width, height; /* of pictures whose size is not the case */
+    double turn, rise;      /* radians: from where scenes are looked at, where that is free */
+    size_t points;          /* of surfaces */
+    const char *family;     /* NULL: all */
+    const char *only;       /* part of a case's name; NULL: all */
+    const char *table;      /* file: Markdown rows are appended; NULL: none */
+    const char *pictures;   /* folder: a PNG a case; NULL: none */
+    const char *write;      /* folder: a PLY, a camera and EXRs a case; NULL: none */
+};
+
+/* What is rendered. The case owns it until hard_scene_release. */
+struct hard_scene {
+    struct stp_scene *scene;
+    struct stp_camera camera;
+    struct stp_render_params params; /* method, path and payload are the ways' */
+    /* Where the outcome is "the same picture as": NULL, or the other scene. */
+    struct stp_scene *twin;
+    struct stp_camera twin_camera;
+    double truth[8]; /* what the case's check wants to remember */
+};
+
+struct hard_case {
+    const char *name;
+    const char *outcome; /* and why a right renderer gives it: one line of the table */
+    void (*make)(const struct hard_options *o, struct hard_scene *s);
+    /* A truth that no renderer shares: the error over its own bound, right when at most 1. */
+    double (*check)(const struct hard_scene *s, const struct stp_image *image);
+    double grouped; /* dB: least PSNR of `deferred` where its groups are of many, c = 1 */
+    double twin;   /* dB: least PSNR of N and of relative Z against the twin; INFINITY: same bits */
+    double packed; /* dB: least PSNR by packed keys, where the case strains their 12-bit weights; 0:
+                      bounded pixel by pixel as all else */
+    double fragile; /* most share of covered pixels on the edge of rounding; 0: 0.03 */
+    /* Or all by itself: fails through cmocka. */
+    void (*run)(const struct hard_options *o, struct device *device);
+};
+
+struct hard_family {
+    const char *name;
+    const struct hard_case *cases;
+    unsigned count;
+};
+extern const struct hard_family hard_samples, hard_breaks, hard_coordinates, hard_views,
+    hard_splats, hard_normals, hard_crowds, hard_sheets, hard_colors, hard_pictures, hard_bits,
+    hard_devices, hard_samples;
+
+/* points.c: points before they are prepared. */
+struct hard_points {
+    size_t count, capacity;
+    double (*position)[3];
+    float (*normal)[3], *radius, (*color)[3];
+    bool no_normals, no_radii, colored;
+};
+struct hard_points points_make(size_t capacity);
+void points_release(struct hard_points *cloud);
+/* Of no colour: grey. Returns the point's index. */
+size_t points_add(struct hard_points *cloud, struct vec3 p, struct vec3 n, double radius);
+void points_paint(struct hard_points *cloud, size_t i, struct vec3 color);
+void points_move(struct hard_points *cloud, struct vec3 by);
+/* To positions that float32 holds: a plane through the eye is one then for every renderer. */
+void points_round(struct hard_points *cloud);
+void points_shuffle(struct hard_points *cloud, uint32_t seed);
+/* A closed bumpy ball of radius about 1 round `centre`: discs that overlap, outward normals,
+ * colours that vary smoothly. bumps 0: a sphere. */
+struct hard_points points_ball(const struct hard_options *o, struct vec3 centre, double bumps);
+/* Through stp_scene_prepare, as a user's points go. epsilon 0: the median radius. */
+struct stp_scene *points_scene(const struct hard_points *cloud, double epsilon, unsigned threads);
+enum stp_result points_try(const struct stp_env *env, const struct hard_points *cloud,
+                           double epsilon, struct stp_scene **scene);
+
+/* points.c: looking at `target` from o->turn, o->rise, `distance` away. fov_y in degrees; 0:
+ * orthographic, `distance` being what the picture is high. */
+struct stp_camera hard_look(const struct hard_options *o, struct vec3 target, double distance,
+                            double fov_y);
+struct vec3 hard_towards_eye(const struct hard_options *o);
+double hard_random(uint32_t *seed); /* [0, 1) */
+
+/* ways.c */
+struct hard_way {
+    const char *name;
+    enum stp_method method;
+    enum stp_path path;
+    enum stp_payload payload;
+};
+#define HARD_WAYS 7
+extern const struct hard_way hard_ways[HARD_WAYS];
+struct stp_render_params hard_way_params(const struct hard_way *way,
+                                         const struct stp_render_params *params);
+/* Groups for `deferred`: one a splat where there are at most 64, which is exact; else c = 1. */
+void hard_group(struct stp_scene *scene);
+struct stp_image *hard_reference(const struct stp_scene *scene, const struct stp_camera *camera,
+                                 const struct stp_render_params *params);
+/* The lesser PSNR of the normals' components and of depth over its own median; over pixels that
+ * both cover. */
+double hard_psnr(const struct stp_image *image, const struct stp_image *truth);
+
+/* judge_case.c: renders a case every way, judges it, and fails with every verdict that is wrong. */
+void hard_judge(const struct hard_options *o, struct device *device, const char *family,
+                const struct hard_case *c);
+/* Of cases that run by themselves: a row of words. */
+void hard_say(const struct hard_options *o, const char *family, const struct hard_case *c);
+
+#endif

@@ -1,0 +1,245 @@
+/* The axis method against the same order composited in float64, in every hard view, and against the
+ * exact order of the reference. */
+#include "volumes.h"
+
+#include "device.h"
+
+enum { N = 9, W = 48, H = 40 };
+
+static struct stp_scene *random_volume(uint32_t seed, const double spacing[3], bool unshaded)
+{
+    float values[N * N * N];
+    struct stp_volume volume = { .dims = { N, N, N }, .value = values };
+    for (int a = 0; a < 3; a++) {
+        volume.spacing[a] = spacing[a];
+        volume.origin[a] = -0.5 * (N - 1) * spacing[a];
+    }
+    for (int i = 0; i < N * N * N; i++)
+        values[i] = uniform(&seed) < 0.3 ? NAN : (float)uniform(&seed);
+    struct transfer_function f = { .count = 3,
+                                   .point = { { 0, { 1, 0.2f, 0 }, 0.01f },
+                                              { 0.9, { 0, 1, 0.3f }, 0.5f },
+                                              { 1, { 0.1f, 0.2f, 1 }, 1 } } };
+    struct stp_scene *scene = volume_scene(&volume, &f);
+    if (!unshaded) {
+        struct stp_volume_params params = { .transfer_function = "hot" };
+        assert_int_equal(stp_scene_set_transfer_function(NULL, scene, &params), STP_OK);
+    }
+    return scene;
+}
+
+/* The views of the fixture, then borders of two and three axes. */
+#define MORE_VIEWS 3
+static struct stp_camera view_of_index(int index)
+{
+    static const struct vec3 eyes[MORE_VIEWS] = { { 0, 0, 4 }, { 3, 0, 3 }, { 3, 3, 3 } };
+    if (index < VIEWS)
+        return hard_view(index, W, H);
+    struct stp_camera c = plain_camera(W, H, 1.2 * H);
+    look_at(&c, eyes[index - VIEWS], v3(0, 0, 0));
+    return c;
+}
+
+/* One walk's colour and premultiplied depth on a ray, from the far end of its list. */
+static void walk_pixel(const struct medium *medium, const uint32_t *order, uint32_t count,
+                       const struct ray *ray, double sum[5])
+{
+    memset(sum, 0, 5 * sizeof *sum);
+    for (uint32_t i = 0; i < count; i++) {
+        struct medium_fragment f;
+        if (!medium_hit(medium, medium_centre(medium, order[i]),
+                        (double)medium->volume->kernels.tau[order[i]], ray, &f))
+            continue;
+        const double *c = medium->shaded[order[i]];
+        const double own[5] = { c[0], c[1], c[2], 1, f.depth };
+        for (int n = 0; n < 5; n++)
+            sum[n] = f.alpha * own[n] + (1 - f.alpha) * sum[n];
+    }
+}
+
+/* Eq. 1 with the weights of the pixel's ray. */
+static void expect_pixel(const struct medium *medium, const struct axis_lists *lists,
+                         const struct stp_image *image, uint32_t x, uint32_t y)
+{
+    struct ray ray = eye_ray(&medium->view->eye, x + 0.5, y + 0.5);
+    struct vec3 v = eye_direction_to_world(&medium->view->eye, ray.along);
+    double sum[5] = { 0 }, weights = 0, one[5];
+    for (unsigned w = 0; w < lists->walk_count; w++) {
+        const struct axis_walk *walk = &lists->walk[w];
+        double weight = axis_weight(lists, walk, v);
+        weight *= weight;
+        weights += weight;
+        walk_pixel(medium, lists->order + walk->first, walk->count, &ray, one);
+        for (int n = 0; n < 5; n++)
+            sum[n] += weight * one[n];
+    }
+    for (int n = 0; n < 5 && weights > 0; n++)
+        sum[n] /= weights;
+    static const char *const names[] = { "R", "G", "B", "A" };
+    for (int n = 0; n < 4; n++)
+        close_to((double)value(image, names[n], x, y), sum[n], 6e-4);
+    double z = (double)value(image, "Z", x, y);
+    if (sum[3] > 1e-2)
+        close_to(z, sum[4] / sum[3], 1e-3 * fmax(1, sum[4] / sum[3]));
+    assert_true(isfinite(z) == (value(image, "A", x, y) > 0));
+}
+
+static void expect_lists_order(struct device *device, const struct stp_scene *scene,
+                               const struct stp_camera *camera, enum stp_path path,
+                               enum stp_axis_merge merge, double h)
+{
+    struct stp_render_params params = {
+        .method = STP_METHOD_AXIS, .path = path, .axis_merge = merge, .axis_h = h == 0 ? -1 : h
+    };
+    struct stp_image *image = device_render(device, scene, camera, &params);
+    struct view view = { .scene = scene, .width = W, .height = H, .grid = 1, .two_sided = true };
+    struct axis_lists lists;
+    struct medium medium;
+    eye_init(&view.eye, camera, scene->splats.origin);
+    assert_int_equal(medium_init(NULL, &view, &medium), STP_OK);
+    assert_int_equal(axis_lists_build(NULL, scene, camera, merge, h, &lists), STP_OK);
+    for (uint32_t y = 1; y < H; y += 6)
+        for (uint32_t x = 2; x < W; x += 7)
+            expect_pixel(&medium, &lists, image, x, y);
+    axis_lists_release(&lists);
+    medium_release(&medium);
+    stp_image_destroy(&image);
+}
+
+static void every_merge_in_every_view(void **state)
+{
+    struct device device;
+    const double even[3] = { 0.2, 0.2, 0.2 }, flat[3] = { 0.05, 0.05, 0.5 };
+    device_open(&device, 0);
+    for (int v = 0; v < VIEWS + MORE_VIEWS; v++) {
+        struct stp_scene *scene = random_volume(11 + (uint32_t)v, v % 3 ? even : flat, v % 2);
+        struct stp_camera camera = view_of_index(v);
+        enum stp_path path = v % 2 ? STP_PATH_RASTER : STP_PATH_COMPUTE;
+        enum stp_path other = v % 2 ? STP_PATH_COMPUTE : STP_PATH_RASTER;
+        expect_lists_order(&device, scene, &camera, path, STP_AXIS_BLEND, 0.85);
+        expect_lists_order(&device, scene, &camera, other, (enum stp_axis_merge)(v % 4),
+                           v % 3 ? 0 : 0.99);
+        stp_scene_destroy(&scene);
+    }
+    device_close(&device);
+}
+
+/* A smooth ball: the lists' order is near enough to the exact one. */
+static void near_the_exact_order(void **state)
+{
+    enum { M = 24 };
+    static float values[M * M * M];
+    struct device device;
+    struct stp_volume volume = { .dims = { M, M, M },
+                                 .spacing = { 1, 1, 1 },
+                                 .origin = { -11.5, -11.5, -11.5 },
+                                 .value = values };
+    for (int i = 0; i < M * M * M; i++) {
+        double x = i % M - 11.5, y = i / M % M - 11.5, z = i / M / M - 11.5;
+        values[i] = (float)fmax(0, 1 - sqrt(x * x + y * y + z * z) / 11);
+    }
+    struct transfer_function f = { .count = 3,
+                                   .point = { { 0, { 1, 0.2f, 0 }, 0 },
+                                              { 0.5, { 0.2f, 1, 0 }, 0.1f },
+                                              { 1, { 0.1f, 0.2f, 1 }, 0.9f } } };
+    struct stp_scene *scene = volume_scene(&volume, &f);
+    struct stp_camera camera = plain_camera(64, 64, 90);
+    look_at(&camera, v3(20, 26, 30), v3(0, 0, 0));
+    struct stp_render_params params = { .method = STP_METHOD_AXIS };
+    struct stp_image *truth = render_volume(scene, &camera, &params);
+    device_open(&device, 0);
+    for (int merge = STP_AXIS_BLEND; merge <= STP_AXIS_SORT; merge++) {
+        params.axis_merge = (enum stp_axis_merge)merge;
+        struct stp_image *image = device_render(&device, scene, &camera, &params);
+        struct stp_comparison c;
+        const struct stp_compare_params how = { 0 };
+        assert_int_equal(stp_compare(NULL, image, truth, &how, &c), STP_OK);
+        if (!(c.covered.psnr > (merge == STP_AXIS_SORT ? 60 : 40)))
+            fail_msg("merge %d: %.1f dB", merge, c.covered.psnr);
+        stp_image_destroy(&image);
+    }
+    device_close(&device);
+    stp_image_destroy(&truth);
+    stp_scene_destroy(&scene);
+}
+
+/* Tiles show the same bits; a background lies behind; what nobody sees is empty. */
+static void tiles_background_and_nothing(enum stp_path path)
+{
+    struct device device;
+    static const float background[] = { 0.2f, 0.4f, 0.6f, 0.5f };
+    struct stp_scene *scene = random_volume(5, (double[]){ 0.2, 0.2, 0.2 }, false);
+    struct stp_camera camera = view_of_index(0);
+    struct stp_render_params params = { .method = STP_METHOD_AXIS, .path = path };
+    device_open(&device, 0);
+    struct stp_image *whole = device_render(&device, scene, &camera, &params);
+    params.memory_limit = 200000;
+    struct stp_image *tiled = device_render(&device, scene, &camera, &params);
+    expect_same_bits(whole, tiled, "tiles");
+    params = (struct stp_render_params){ .method = STP_METHOD_AXIS,
+                                         .path = path,
+                                         .background = background };
+    struct stp_image *behind = device_render(&device, scene, &camera, &params);
+    for (uint32_t y = 0; y < H; y += 3)
+        for (uint32_t x = 0; x < W; x += 3) {
+            double a = (double)value(whole, "A", x, y), c = (double)value(whole, "G", x, y);
+            close_to((double)value(behind, "G", x, y), c + (1 - a) * 0.5 * 0.4, 1e-6);
+            close_to((double)value(behind, "A", x, y), a + (1 - a) * 0.5, 1e-6);
+        }
+    look_at(&camera, v3(0, 0, 50), v3(0, 0, 100));
+    struct stp_image *nothing = device_render(&device, scene, &camera, &params);
+    assert_true(value(nothing, "A", 3, 3) == 0.5f && isinf(value(nothing, "Z", 3, 3)));
+    stp_image_destroy(&whole);
+    stp_image_destroy(&tiled);
+    stp_image_destroy(&behind);
+    stp_image_destroy(&nothing);
+    device_close(&device);
+    stp_scene_destroy(&scene);
+}
+
+static void by_the_rasteriser(void **state)
+{
+    tiles_background_and_nothing(STP_PATH_RASTER);
+}
+
+static void by_compute(void **state)
+{
+    tiles_background_and_nothing(STP_PATH_COMPUTE);
+}
+
+/* 100000 splats on 8 x 8 pixels: lists longer than what one pass takes. */
+static void long_lists_go_on(void **state)
+{
+    struct device device;
+    struct stp_scene *scene =
+        block_scene((uint32_t[]){ 10, 10, 1000 }, (double[]){ 1, 1, 1 }, 0.002);
+    struct stp_camera camera = plain_camera(8, 8, 2800);
+    struct stp_render_params params = { .method = STP_METHOD_AXIS, .path = STP_PATH_COMPUTE };
+    struct stp_plan *plan = NULL;
+    look_at(&camera, v3(0, 0, 4000), v3(0, 0, 0));
+    device_open(&device, 0);
+    assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+    assert_true(plan->axis_blocks.longest > STP_AXIS_PART);
+    assert_int_equal(plan->pass_count,
+                     2 + (plan->axis_blocks.longest + STP_AXIS_PART - 1) / STP_AXIS_PART);
+    struct stp_image *image = device_render_plan(&device, scene, plan);
+    struct stp_image *truth = render_volume(scene, &camera, &params);
+    for (uint32_t i = 0; i < 64; i++)
+        close_to((double)value(image, "A", i % 8, i / 8), (double)value(truth, "A", i % 8, i / 8),
+                 1e-4);
+    stp_image_destroy(&image);
+    stp_image_destroy(&truth);
+    stp_plan_destroy(&plan);
+    device_close(&device);
+    stp_scene_destroy(&scene);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(every_merge_in_every_view), cmocka_unit_test(near_the_exact_order),
+        cmocka_unit_test(by_the_rasteriser),         cmocka_unit_test(by_compute),
+        cmocka_unit_test(long_lists_go_on),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
