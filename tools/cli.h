@@ -61,9 +61,12 @@ struct settings {
     struct stp_context_params context;
     struct stp_exr_params exr;
     struct stp_compare_params compare;
+    struct stp_optics optics;
+    struct stp_environment_params around;
 
     double clip_box[6];
     float background[4];
+    const char *environment;
     const char *output, *preview, *stats, *camera, *write_camera, *limits;
     uint32_t first_frame, last_frame;
     double exposure, least_psnr;
@@ -138,6 +141,8 @@ bool value_volume_spacing(const struct option_spec *spec, const char *text, void
 bool value_axis_h(const struct option_spec *spec, const char *text, void *target); /* double */
 bool value_background(const struct option_spec *spec, const char *text, void *target);
 bool value_frames(const struct option_spec *spec, const char *text, void *target);
+bool value_optics(const struct option_spec *spec, const char *text, void *target);    /* float[] */
+bool value_intensity(const struct option_spec *spec, const char *text, void *target); /* float */
 bool value_opacity(const struct option_spec *spec, const char *text, void *target);
 bool value_min_splat(const struct option_spec *spec, const char *text, void *target);
 

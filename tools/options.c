@@ -124,6 +124,45 @@ const struct option_spec option_table[] = {
       "the surface is open)",
       value_choice, AT(prepare.two_sided), NULL, 0, 0, NULL },
 
+    { "Environment", POINTS, "environment", 0, "FILE",
+      "what is around the scene, for its surfaces to mirror: a latitude-longitude map, OpenEXR or "
+      "Radiance .hdr. Its top is up, its centre is ahead of --view front (default: that of the scene "
+      ".json, else none)",
+      value_text, AT(environment), "the name of a file", 0, 0, NULL },
+    { NULL, POINTS, "environment-rotation", 0, "DEG",
+      "turns it about up, counter-clockwise seen from above (default: 0)",
+      value_degrees, AT(around.rotation), "degrees from -360 to 360", -360, 360, NULL },
+    { NULL, POINTS, "environment-intensity", 0, "F",
+      "multiplies its light (default: 1)",
+      value_intensity, AT(around.intensity), "a number above 0 and at most 1e6", DBL_TRUE_MIN, 1e6,
+      NULL },
+    { NULL, POINTS, "ior", 0, "N|R,G,B",
+      "of every surface: its index of refraction, or one a channel, from which follows what it "
+      "mirrors; 1: nothing (default: that of the scene .json, else 1.5)",
+      value_optics, AT(optics.ior), "a number from 0.05 to 20, or three with commas between", 0.05,
+      20, NULL },
+    { NULL, POINTS, "reflectance", 0, "F|R,G,B",
+      "of every surface: what it mirrors face on, as metals do, in the place of what follows from "
+      "--ior (default: that of the scene .json, else none)",
+      value_optics, AT(optics.reflectance), "a number from 0 to 1, or three with commas between", 0,
+      1, NULL },
+    { NULL, POINTS, "roughness", 0, "F",
+      "of every surface: 0 mirrors sharply, 1 nearly evenly (default: that of the scene .json, else "
+      "0)",
+      value_optics, AT(optics.roughness), "a number from 0 to 1", 0, 1, NULL },
+    { NULL, POINTS, "absorption", 0, "A|R,G,B",
+      "of every transparent surface: a layer of thickness T lets exp(-A T) pass, besides what its "
+      "opacity stops (default: that of the scene .json, else 0)",
+      value_optics, AT(optics.absorption), "a number from 0, or three with commas between", 0, 1e30,
+      NULL },
+    { NULL, POINTS, "thickness", 0, "T",
+      "of a layer of every transparent surface (default: that of the scene .json, else 1)",
+      value_optics, AT(optics.thickness), "a number from 0", 0, 1e30, NULL },
+    { NULL, PICTURE, "layers", 0, "multi|single",
+      "an environment is seen through transparent surfaces bent and absorbed by all layers, or by "
+      "the nearest alone (default: multi)",
+      value_choice, AT(render.layers), NULL, 0, 0, NULL },
+
     { "Volume", VOLUMES, "volume-dims", 0, "X,Y,Z",
       "voxels along the axes of a raw file, x fastest (default: what the header, or a .json beside "
       "the file, says)",
@@ -143,10 +182,10 @@ const struct option_spec option_table[] = {
       "show a volume's colours as they are (default: lit, by the gradients of its values)",
       value_flag, AT(load.volume.unshaded), NULL, 0, 0, NULL },
 
-    { "Picture", VIEW, "background", 0, "R,G,B[,A]|none",
-      "composited behind; linear light, alpha straight: it is multiplied in (default: none, "
-      "alpha 0 where nothing is)",
-      value_background, 0, "none, or R,G,B or R,G,B,A with A from 0 to 1", 0, 0, NULL },
+    { "Picture", VIEW, "background", 0, "R,G,B[,A]|environment|none",
+      "composited behind; linear light, alpha straight: it is multiplied in; or what --environment "
+      "says (default: none, alpha 0 where nothing is)",
+      value_background, 0, "none, environment, or R,G,B or R,G,B,A with A from 0 to 1", 0, 0, NULL },
     { NULL, PICTURE, "samples", 0, "N",
       "stratified samples a pixel, rounded up to a square number: smooth edges, and dense clouds "
       "that do not flicker, at N times the time; not with --path raster (default: 1)",

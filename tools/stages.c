@@ -56,7 +56,12 @@ int load_and_prepare(struct console *console, const struct settings *settings, c
 {
     struct stp_scene *loaded = NULL;
     double start = seconds_now();
-    enum stp_result result = stp_scene_load(&console->env, path, &settings->load, &loaded);
+    struct stp_load_params load = settings->load;
+    load.optics = &settings->optics;
+    enum stp_result result = stp_scene_load(&console->env, path, &load, &loaded);
+    if (result == STP_OK && settings->environment)
+        result = stp_scene_load_environment(&console->env, loaded, settings->environment,
+                                            &settings->around);
     double middle = seconds_now();
     if (result == STP_OK)
         result = prepare_named(console, path, loaded, &settings->prepare);

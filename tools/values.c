@@ -311,7 +311,8 @@ bool value_background(const struct option_spec *spec, const char *text, void *ta
     (void)spec;
     struct settings *settings = target;
     double rgba[4] = { 0, 0, 0, 1 };
-    if (strcmp(text, "none") == 0) {
+    settings->render.environment_behind = strcmp(text, "environment") == 0;
+    if (strcmp(text, "none") == 0 || settings->render.environment_behind) {
         settings->render.background = NULL;
         return true;
     }
@@ -338,6 +339,34 @@ bool value_frames(const struct option_spec *spec, const char *text, void *target
 }
 
 /* The library's zero is its default; the command's zero is off. */
+bool value_intensity(const struct option_spec *spec, const char *text, void *target)
+{
+    double value;
+    if (!value_real(spec, text, &value) || !((float)value > 0))
+        return false;
+    *(float *)target = (float)value;
+    return true;
+}
+
+/* One number for all channels, or three, where the field has three. The library's zero is its
+ * default; the command's zero is 0. */
+bool value_optics(const struct option_spec *spec, const char *text, void *target)
+{
+    double value[3];
+    bool channels = strchr(spec->argument, '|') != NULL;
+    unsigned n = read_reals(text, 1, channels ? 3 : 1, value);
+    if (n != 1 && n != 3)
+        return false;
+    for (unsigned i = 0; i < n; i++)
+        if (!(value[i] >= spec->low && value[i] <= spec->high))
+            return false;
+    for (unsigned i = 0; i < (channels ? 3 : 1); i++) {
+        float v = (float)value[n == 3 ? i : 0];
+        ((float *)target)[i] = v > 0 ? v : -1;
+    }
+    return true;
+}
+
 bool value_opacity(const struct option_spec *spec, const char *text, void *target)
 {
     double opacity;

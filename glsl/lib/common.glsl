@@ -18,6 +18,13 @@ struct MaterialData {
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer MaterialRef { MaterialData v[]; };
 
+struct OpticsData {
+    vec3 ior;
+    float level;
+    vec3 reflectance, absorption;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer OpticsRef { OpticsData v[]; };
+
 #include "shared/frame.h"
 
 layout(set = 0, binding = 0, scalar) uniform Frame { stp_frame_constants frame; };
@@ -50,6 +57,7 @@ layout(constant_id = 26) const uint AXIS_WALK = 0;        // of this pass
 layout(constant_id = 27) const uint AXIS_PART = 0;
 layout(constant_id = 28) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
 layout(constant_id = 29) const bool MIXED = false;       // some splats are opaque, where others are not
+layout(constant_id = 30) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

@@ -4,6 +4,7 @@ struct Ray {
     vec3 color;    // premultiplied, of the layers so far
     float alpha;   // theirs: summed, so that layers of 1e-6 keep their own
     float through; // what they let pass: multiplied, so that it stays exact as it gets small
+    vec3 tint;     // what their absorption leaves; with STP_OPTICS_ABSORBS
     uint layers;
     Look first; // the nearest layer
     Surface surface;
@@ -11,23 +12,38 @@ struct Ray {
 
 const Look LOOK_NONE = Look(vec3(0), vec3(0), 1.0 / 0.0, vec3(0));
 const Surface SURFACE_NONE = Surface(0, vec3(0), 0, vec3(0), vec3(0), 0, STP_NO_ID, 0);
-const Ray RAY_START = Ray(vec3(0), 0, 1, 0, LOOK_NONE, SURFACE_NONE);
+const Ray RAY_START = Ray(vec3(0), 0, 1, vec3(1), 0, LOOK_NONE, SURFACE_NONE);
 
 void ray_layer(inout Ray ray, uvec2 p, Surface s, float alpha)
 {
     Look look = surface_look(p, true, s);
+    if (alpha == 1)
+        surface_meet(look, p, true, s);
     if (ray.layers == 0) {
         ray.first = look;
         ray.surface = s;
     }
     ray.layers++;
-    ray.color += ray.through * alpha * look.color;
+    ray.color += ray.through * alpha * ray.tint * look.color;
+    if ((OPTICS & STP_OPTICS_ABSORBS) != 0 &&
+        ((OPTICS & STP_OPTICS_MULTI) != 0 || ray.layers == 1))
+        ray.tint *= exp(-frame.optics.v[object_of_surface(true, s)].absorption);
     ray.alpha = alpha == 1 ? 1 : min(ray.alpha + ray.through * alpha, 1);
     ray.through *= 1 - alpha;
 }
 
 void ray_write(Ray ray, uvec2 p)
 {
-    picture_write(p, ray.layers > 0, vec4(ray.color, ray.alpha), ray.first, ray.surface,
+    vec4 color = vec4(ray.color, ray.alpha);
+    // A first layer that is opaque ended the ray.
+    bool clear = ray.layers > 1 || ray.through > 0;
+    if ((OPTICS & STP_OPTICS_GLASS) != 0 && ray.layers > 0 && clear) {
+        OpticsData o = frame.optics.v[object_of_surface(true, ray.surface)];
+        vec3 d = ray_direction(pixel_position(p));
+        if (o.level >= 0)
+            color = vec4(surface_glass(o, ray.color, ray.through * ray.tint, ray.first.normal, d,
+                                       ray.layers), 1);
+    }
+    picture_write(p, ray.layers > 0, color, ray.first, ray.surface,
                   ray.layers);
 }

@@ -9,7 +9,7 @@ const uint MEND_WALL = 2;   // of what is opaque
 const uint MEND_SUMS = 3;   // weight, normal xyz, depth, albedo rgb, alpha, fragments
 const uint MEND_SUM_WORDS = 10;
 const uint MEND_RAY = MEND_SUMS + MEND_SUM_WORDS; // 32-bit words, two in each: mend_ray_*
-const uint MEND_WORDS = MEND_RAY + 8;
+const uint MEND_WORDS = MEND_RAY + 10;
 
 bool mend_skip(uint pixel)
 {

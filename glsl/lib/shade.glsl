@@ -1,4 +1,5 @@
 // Deferred shading, one for every method: averaged attributes in, the picture's channels out.
+#include "lib/optics.glsl"
 
 // Which of the materials is the surface's.
 #ifndef SURFACE_OBJECT
@@ -82,20 +83,33 @@ struct Look {
     vec3 albedo;
 };
 
+uint object_of_surface(bool hit, Surface s)
+{
+    if (!HAS_OBJECTS)
+        return 0;
+    return hit ? SURFACE_OBJECT(s) : 0;
+}
+
 Look surface_look(uvec2 p, bool hit, Surface s)
 {
     Look look;
     bool vanished = !(s.weight >= 1e-6 && dot(s.normal, s.normal) >= 1e-12);
     look.normal = vanished ? s.near_normal : s.normal * inversesqrt(dot(s.normal, s.normal));
     look.depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
-    MaterialData m = frame.materials.v[0];
-    if (HAS_OBJECTS)
-        m = frame.materials.v[hit ? SURFACE_OBJECT(s) : 0];
+    MaterialData m = frame.materials.v[object_of_surface(hit, s)];
     look.albedo = m.albedo;
     if (HAS_COLOR)
         look.albedo = vanished ? frame.colors.v[hit ? splat_known(s.id) : 0] : s.albedo / s.weight;
     look.color = shade(m, look.albedo, look.normal, pixel_position(p), look.depth);
     return look;
+}
+
+// An opaque surface that meets the environment.
+void surface_meet(inout Look look, uvec2 p, bool hit, Surface s)
+{
+    if ((OPTICS & STP_OPTICS_SURFACE) != 0)
+        look.color = surface_mirrors(frame.optics.v[object_of_surface(hit, s)], look.color, look.normal,
+                                     ray_direction(pixel_position(p)));
 }
 
 // One more sample that hit. Where all is opaque alpha holds the hits exactly: a wholly covered pixel
@@ -123,8 +137,7 @@ void picture_write(uvec2 p, bool hit, vec4 color, Look look, Surface s, uint lay
     if (!hit)
         color = vec4(0);
     if (BACKGROUND && OPACITY == 0 && !hit)
-        color = vec4(frame.background[0], frame.background[1], frame.background[2],
-                     frame.background[3]);
+        color = background_at(pixel_position(p));
     if (SAMPLE_GRID > 1)
         color = sample_add(frame.out_color.v[at], color, at, hits);
     frame.out_color.v[at] = color;
@@ -150,5 +163,6 @@ void picture_write(uvec2 p, bool hit, vec4 color, Look look, Surface s, uint lay
 void surface_write(uvec2 p, bool hit, Surface s)
 {
     Look look = surface_look(p, hit, s);
+    surface_meet(look, p, hit, s);
     picture_write(p, hit, vec4(look.color, 1), look, s, 1);
 }

@@ -4,6 +4,7 @@
 // axis has w = 1, so that the divisor is at least 1.
 #include "lib/common.glsl"
 #include "lib/pixel.glsl"
+#include "lib/environment.glsl"
 layout(local_size_x = STP_GROUP) in;
 
 #if !defined(EMPTY) && !defined(FROM_SUMS)
@@ -72,7 +73,6 @@ void main()
     frame.out_depth.v[at] = color.w > 0 ? depth / color.w : 1.0 / 0.0;
     frame.out_normal.v[at] = vec3(0);
     if (BACKGROUND)
-        color += (1 - color.w) * vec4(frame.background[0], frame.background[1],
-                                      frame.background[2], frame.background[3]);
+        color += (1 - color.w) * background_at(pixel_position(p));
     frame.out_color.v[at] = color;
 }

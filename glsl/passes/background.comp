@@ -5,6 +5,7 @@
 #include "lib/splat.glsl"
 #define ALL_BLOCKS
 #include "lib/resolve.glsl"
+#include "lib/environment.glsl"
 
 void main()
 {
@@ -13,8 +14,7 @@ void main()
     if (!resolve_pixel(p, pixel))
         return;
     uint at = p.y * frame.tile_width + p.x;
-    vec4 background = vec4(frame.background[0], frame.background[1], frame.background[2],
-                           frame.background[3]);
+    vec4 background = background_at(vec2(p + uvec2(frame.tile_x, frame.tile_y)) + 0.5);
     if (SAMPLE_GRID > 1 || OPACITY != 0)
         frame.out_color.v[at] += (1 - frame.out_color.v[at].w) * background;
     else if (isinf(frame.out_depth.v[at]))

@@ -48,6 +48,10 @@ void ray_store(uint pixel, Ray r)
     put(pixel, 5, r.first.albedo.x, r.first.albedo.y);
     put(pixel, 6, r.first.albedo.z, uintBitsToFloat(r.surface.id));
     put(pixel, 7, uintBitsToFloat(r.surface.fragments), r.alpha);
+    if ((OPTICS & STP_OPTICS_ABSORBS) != 0) {
+        put(pixel, 8, r.tint.x, r.tint.y);
+        put(pixel, 9, r.tint.z, 0);
+    }
 }
 
 Ray ray_restore(uint pixel)
@@ -65,6 +69,8 @@ Ray ray_restore(uint pixel)
     r.surface.id = floatBitsToUint(g.y);
     r.surface.fragments = floatBitsToUint(h.x);
     r.alpha = h.y;
+    if ((OPTICS & STP_OPTICS_ABSORBS) != 0)
+        r.tint = vec3(get(pixel, 8), get(pixel, 9).x);
     return r;
 }
 

@@ -24,28 +24,39 @@
 #endif
 
 /* Pixels live in blocks of BLOCK x BLOCK: a splat touches few pages, a workgroup takes a block. */
-#define STP_BLOCK       8
-#define STP_GROUP       64   /* threads of a workgroup */
-#define STP_LARGE_AREA  1024 /* pixels of bounds above which a splat takes a workgroup */
-#define STP_LARGE_GROUP 128
-#define STP_ROW         32768u /* workgroups along x; more go along y */
-#define STP_SLOTS       64     /* fragments a pixel that `exact` keeps before its second way */
-#define STP_SUM_WORDS   10     /* 64-bit words of a pixel's fixed-point sums */
-#define STP_LIGHTS      8
-#define STP_NO_ID       0xffffffffu
+#define STP_BLOCK              8
+#define STP_GROUP              64   /* threads of a workgroup */
+#define STP_LARGE_AREA         1024 /* pixels of bounds above which a splat takes a workgroup */
+#define STP_LARGE_GROUP        128
+#define STP_ROW                32768u /* workgroups along x; more go along y */
+#define STP_SLOTS              64 /* fragments a pixel that `exact` keeps before its second way */
+#define STP_SUM_WORDS          10 /* 64-bit words of a pixel's fixed-point sums */
+#define STP_LIGHTS             8
+#define STP_ENVIRONMENT_LEVELS 12
+/* What PLAN_OPTICS holds, or-ed. */
+#define STP_OPTICS_SURFACE  1u   /* surfaces meet the environment */
+#define STP_OPTICS_BEHIND   2u   /* it is the background */
+#define STP_OPTICS_ROUGH    4u   /* there is more than its sharp level */
+#define STP_OPTICS_BETWEEN  8u   /* levels are mixed */
+#define STP_OPTICS_DISPERSE 16u  /* channels refract apart */
+#define STP_OPTICS_MIRRORS  32u  /* some surface has a reflectance */
+#define STP_OPTICS_GLASS    64u  /* what is transparent refracts */
+#define STP_OPTICS_MULTI    128u /* by all its layers */
+#define STP_OPTICS_ABSORBS  256u /* some surface has an absorption */
+#define STP_NO_ID           0xffffffffu
 /* Of a splat's tag: group, flags, object. */
 #define STP_TAG_GROUP     63u
-#define STP_TAG_INVISIBLE 64u  /* opacity 0: it has no fragments */
-#define STP_TAG_OPAQUE    128u /* opacity 1, in a scene that is transparent elsewhere */
-#define STP_NO_NORMAL   0x80008000u /* of a point: no octahedral normal is packed to this */
-#define STP_NO_POINT    0x7fffffffu /* key words of a pixel that no point fell into; positive ints */
-#define STP_RIM_DEPTH   0x7f800001u /* then, of one that the push left empty: farther than all */
-#define STP_RIM_NONE    0x7ffffffeu
-#define STP_RIM         0x60000000u /* added to the pixel whose point reaches one from outside */
-#define STP_RIM_REACH   255         /* pixels: as far as such a point is looked for */
-#define STP_POINT_RUN   512         /* points that a workgroup projects */
-#define STP_LEVELS      16          /* of a pyramid, at most */
-#define STP_BLOCK_LEVEL 3           /* whose texels are blocks */
+#define STP_TAG_INVISIBLE 64u         /* opacity 0: it has no fragments */
+#define STP_TAG_OPAQUE    128u        /* opacity 1, in a scene that is transparent elsewhere */
+#define STP_NO_NORMAL     0x80008000u /* of a point: no octahedral normal is packed to this */
+#define STP_NO_POINT      0x7fffffffu /* key words of a pixel that no point fell into; positive ints */
+#define STP_RIM_DEPTH     0x7f800001u /* then, of one that the push left empty: farther than all */
+#define STP_RIM_NONE      0x7ffffffeu
+#define STP_RIM           0x60000000u /* added to the pixel whose point reaches one from outside */
+#define STP_RIM_REACH     255         /* pixels: as far as such a point is looked for */
+#define STP_POINT_RUN     512         /* points that a workgroup projects */
+#define STP_LEVELS        16          /* of a pyramid, at most */
+#define STP_BLOCK_LEVEL   3           /* whose texels are blocks */
 /* Descriptor bindings of what is fetched as texels; the order is enum plan_slot's. */
 #define STP_BINDING_PYRAMID    6
 #define STP_BINDING_ATTRIBUTES 7
@@ -91,6 +102,18 @@ struct stp_material_gpu {
     float epsilon;
 };
 
+struct stp_optics_gpu {
+    float ior[3];
+    float level; /* of the environment, the fraction mixes in the next one; below 0: unmet */
+    float reflectance[3];
+    float absorption[3]; /* of one layer: optical depth */
+};
+
+/* A level of the environment: width * (height + 2) texels from `first`. */
+struct stp_level_gpu {
+    uint first, width, height;
+};
+
 /* HM: kernels of one shape, and the walks that draw them; zero without them. */
 struct stp_axis_gpu {
     float shape[6];  /* camera frame: xx xy xz yy yz zz */
@@ -106,10 +129,13 @@ struct stp_axis_gpu {
 };
 
 struct stp_frame_constants {
-    STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz tag (STP_TAG_*, object << 8) */
+    STP_ADDRESS(Vec4Ref,
+                splats); /* 2 per splat: x y z radius; nx ny nz tag (STP_TAG_*, object << 8) */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
     STP_ADDRESS(FloatRef, opacities);    /* where they are not one for all */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
+    STP_ADDRESS(OpticsRef, optics);      /* one an object; where surfaces meet the environment */
+    STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */
     STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: by block */
     STP_ADDRESS(UintRef, work);      /* STP_WORK_* */
     STP_ADDRESS(UintRef, objects);   /* pyramid: of points; with HAS_OBJECTS */
@@ -171,6 +197,8 @@ struct stp_frame_constants {
     float pyramid_color;             /* colours are packed times this */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
     STP_STRUCT(stp_axis_gpu) axis;
+    float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
+    STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];
 };
 
 #ifndef GL_core_profile

@@ -27,6 +27,11 @@ enum stp_transparency {
     STP_TRANSPARENCY_EXACT,    /* every fragment kept, cut into layers; method exact */
     STP_TRANSPARENCY_REFERENCE /* float64 on the CPU; method reference */
 };
+/* How far the eye's ray is bent and absorbed where transparent surfaces meet an environment. */
+enum stp_layers {
+    STP_LAYERS_MULTI = 0, /* by all layers, ZP Eq. 11 and 12 */
+    STP_LAYERS_SINGLE,    /* by the nearest alone */
+};
 /* Which list serves a pixel (HM 3 and 5). */
 enum stp_axis_merge {
     STP_AXIS_BLEND = 0, /* those that are nearly dominant on its ray, by Eq. 1 */
@@ -85,6 +90,7 @@ struct stp_render_params {
     enum stp_method method;
     enum stp_transparency transparency;
     unsigned peel_layers; /* peel: the most layers; 0: STP_DEFAULT_PEEL_LAYERS */
+    enum stp_layers layers;
     enum stp_path path;
     enum stp_payload payload; /* deferred, compute: what a key carries */
     enum stp_voronoi voronoi;
@@ -99,6 +105,7 @@ struct stp_render_params {
     double axis_h;           /* axis, blend: [0, 1), lists whose axis has more than this share of
                                 the dominant one are merged; 0: 0.85; negative: 0 */
     const float *background; /* NULL: none (alpha 0), or linear RGBA composited behind */
+    bool environment_behind; /* the scene's environment in the place of that background */
     bool local_viewer;       /* half vectors from the point, not the axis */
     unsigned mask_features;  /* enum stp_feature, or-ed */
     uint64_t memory_limit;   /* bytes of transients and outputs; 0: the device's */

@@ -2,6 +2,7 @@
 #ifndef STIPPLE_SCENE_H
 #define STIPPLE_SCENE_H
 
+#include <stipple/environment.h>
 #include <stipple/volume.h>
 
 #ifdef __cplusplus
@@ -52,6 +53,7 @@ struct stp_object_params {
     const struct stp_material *material; /* NULL: the default */
     double epsilon;                      /* eye depth, scene units; 0: the median radius */
     float opacity; /* 0: 1; negative: 0. Multiplies the points' own and the material's */
+    const struct stp_optics *optics; /* NULL: the default */
 };
 
 struct stp_load_params {
@@ -63,6 +65,7 @@ struct stp_load_params {
     double epsilon;
     float
         opacity; /* as in stp_object_params; in the place of what a scene .json says of an object */
+    const struct stp_optics *optics; /* what it sets wins over a scene .json */
     struct stp_volume_params volume; /* of a volume */
 };
 
@@ -192,7 +195,13 @@ struct stp_facts {
     float color_max; /* largest colour component; 0 without colours */
     unsigned objects, lights;
     bool positional_lights;
-    enum stp_up up; /* resolved */
+    unsigned environment_levels; /* sharp, then one for each roughness; 0: no environment */
+    uint64_t environment_texels; /* of all levels, polar rows included */
+    bool reflects, disperses;    /* some surface meets the environment; its channels apart */
+    bool absorbs;                /* some surface has an absorption */
+    bool mirrors;                /* some surface has a reflectance */
+    bool between_levels;         /* more roughnesses than levels: two are mixed */
+    enum stp_up up;              /* resolved */
     struct stp_grouping grouping;
     struct stp_cover cover;
     struct stp_volume_facts volume;

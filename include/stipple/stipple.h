@@ -13,6 +13,7 @@
 #define STIPPLE_STIPPLE_H
 
 #include <stipple/result.h>
+#include <stipple/environment.h>
 #include <stipple/scene.h>
 #include <stipple/volume.h>
 #include <stipple/view.h>

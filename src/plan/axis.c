@@ -194,6 +194,7 @@ void plan_axis(struct stp_plan *plan)
     else if (plan->axis.walk_count)
         compute(plan);
     struct plan_pass *merge = plan_pass(plan, PLAN_DISPATCH, "merge");
+    plan_reads(plan, merge, PLAN_ENVIRONMENT);
     merge->shader = plan->axis.walk_count == 0 ? PLAN_SHADER_AXIS_EMPTY
                     : by_raster                ? PLAN_SHADER_AXIS_MERGE
                                                : PLAN_SHADER_AXIS_MERGE_SUMS;

@@ -61,6 +61,8 @@ static void layers(struct stp_plan *plan)
     plan_reads(plan, pass, PLAN_SPLATS);
     plan_reads(plan, pass, PLAN_COLORS);
     plan_reads(plan, pass, PLAN_MATERIALS);
+    plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
     plan_reads(plan, pass, PLAN_IMAGE_ID);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
         plan_writes(plan, pass, slot);

@@ -145,7 +145,7 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     bool lit = !plan->facts.eye_dome;
     c[PLAN_HEAD_LIGHT] = !lit || (scene->light_count == 1 && is_head_light(&scene->lights[0]));
     c[PLAN_LOCAL_VIEWER] = lit && p->local_viewer;
-    c[PLAN_BACKGROUND] = p->background != NULL;
+    c[PLAN_BACKGROUND] = p->background != NULL || p->environment_behind;
     c[PLAN_SAMPLE_GRID] = sample_grid(p->samples);
     /* Of several samples, P is at the nearest, and a background hides from alpha how many hit. */
     unsigned ids = STP_AOV_ID | STP_AOV_FRAGMENTS;
@@ -198,6 +198,7 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
     }
     quantisation(plan);
     constants(plan, scene);
+    plan_environment(plan, scene);
 }
 
 void plan_move(struct stp_plan *plan, const struct stp_camera *camera)
@@ -206,6 +207,7 @@ void plan_move(struct stp_plan *plan, const struct stp_camera *camera)
     transform(plan);
     place_lights(plan);
     quantisation(plan);
+    plan_turn_environment(plan);
     plan_place_tiles(plan);
 }
 

@@ -28,6 +28,9 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
     if (params->samples > MOST_SAMPLES)
         return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", params->samples,
                          MOST_SAMPLES);
+    if (params->environment_behind && !scene->facts.environment_levels)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the background is to be the environment, and the scene has none");
     if (scene->splats.count > MOST_SPLATS)
         return log_error(env, STP_ERROR_ARGUMENT, "%zu splats: at most %u", scene->splats.count,
                          MOST_SPLATS);

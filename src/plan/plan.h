@@ -45,6 +45,7 @@ enum plan_constant {
     PLAN_AXIS_PART,
     PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
+    PLAN_OPTICS,
     PLAN_CONSTANTS
 };
 
@@ -59,6 +60,8 @@ enum plan_slot {
     PLAN_COLORS,
     PLAN_OPACITIES,
     PLAN_MATERIALS,
+    PLAN_OBJECT_OPTICS,
+    PLAN_ENVIRONMENT,
     PLAN_ORDER,
     PLAN_WORK,
     PLAN_OBJECTS,
@@ -309,6 +312,7 @@ struct stp_plan {
     struct plan_tile *tile;
     struct axis_lists axis;                   /* of the axis method; owned */
     struct axis_blocks axis_blocks;           /* by compute */
+    double environment_axes[3][3];            /* world: right of the map's centre, up, its centre */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
 };
 
@@ -383,6 +387,12 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
 void plan_move(struct stp_plan *plan, const struct stp_camera *camera);
 /* frame.depth_bits when the whole scene is in view, which is the worst that a camera can do. */
 uint32_t plan_least_depth_bits(const struct stp_plan *plan);
+
+/* plan/environment.c: whether this picture needs the scene's environment, and what of it. */
+void plan_environment(struct stp_plan *plan, const struct stp_scene *scene);
+void plan_environment_resources(struct stp_plan *plan);
+/* As the camera of plan->frame sees it. */
+void plan_turn_environment(struct stp_plan *plan);
 
 /* plan/tile.c: cuts the picture until a tile's transients fit; appends steps for the tile size. */
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);

@@ -295,6 +295,8 @@ static void shade(struct stp_plan *plan, const char *name, enum plan_shader shad
     plan_updates(plan, pass, PLAN_RIM);
     plan_updates(plan, pass, PLAN_KEYS);
     plan_reads(plan, pass, PLAN_MATERIALS);
+    plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
     plan_reads(plan, pass, PLAN_IMAGE_PYRAMID);
     plan_reads(plan, pass, PLAN_IMAGE_ATTRIBUTES);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)

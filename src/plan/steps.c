@@ -212,6 +212,8 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
     pass->repair = repair;
     pass->offset = STP_WORK_BLOCKS * 4;
     splat_reads(plan, pass);
+    plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
     plan_updates(plan, pass, PLAN_WORK);
     for (; *read != PLAN_SLOTS; read++)
         plan_reads(plan, pass, *read);

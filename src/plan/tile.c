@@ -95,6 +95,7 @@ static void background(struct stp_plan *plan)
         return;
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
     plan_reads(plan, pass, PLAN_OUT_DEPTH);
     plan_updates(plan, pass, PLAN_OUT_COLOR);
 }
@@ -109,6 +110,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         plan_pyramid_resources(plan);
     else
         scene_resources(plan);
+    plan_environment_resources(plan);
     if (plan_is_root(plan))
         outputs(plan);
     bool axis = plan->method == STP_METHOD_AXIS;

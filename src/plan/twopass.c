@@ -67,6 +67,8 @@ static void raster(struct stp_plan *plan)
     plan_reads(plan, pass, PLAN_SPLATS);
     plan_reads(plan, pass, PLAN_COLORS);
     plan_reads(plan, pass, PLAN_MATERIALS);
+    plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
     for (enum plan_slot slot = PLAN_IMAGE_ID; slot <= PLAN_IMAGE_SUM_COLOR; slot++)
         if (slot != PLAN_IMAGE_DEPTH)
             plan_reads(plan, pass, slot);

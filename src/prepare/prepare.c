@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "prepare/color.h"
+#include "prepare/environment.h"
 #include "prepare/facts.h"
 #include "prepare/merge.h"
 #include "prepare/object.h"
@@ -144,6 +145,10 @@ enum stp_result stp_scene_prepare(const struct stp_env *env, struct stp_scene *s
             if (!(params->clip_box[axis] <= params->clip_box[axis + 3]))
                 return log_error(env, STP_ERROR_ARGUMENT,
                                  "the clip box is empty: x0 y0 z0 must be below x1 y1 z1");
+    enum stp_result result = environment_build(env, scene, &scene->environment);
+    if (result != STP_OK)
+        return result;
+    environment_facts(scene, &scene->facts);
     return scene->volume ? prepare_volume(env, scene, params)
                          : prepare_scene(env, scene, params ? params : &defaults);
 }

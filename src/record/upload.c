@@ -6,6 +6,8 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "prepare/environment.h"
+#include "scene/optics.h"
 #include "scene/scene.h"
 #include "scene/volume.h"
 
@@ -190,6 +192,28 @@ static enum stp_result upload_materials(const struct stp_env *env, struct record
     return result;
 }
 
+static enum stp_result upload_optics(const struct stp_env *env, struct record_frame *frame,
+                                     const struct stp_scene *scene, struct gpu_buffer *buffer)
+{
+    struct stp_optics_gpu *out = mem_alloc(scene->object_count, sizeof *out);
+    if (!out)
+        return log_no_memory(env, scene->object_count * sizeof *out, "optics");
+    for (unsigned i = 0; i < scene->object_count; i++) {
+        const struct stp_optics *o = &scene->objects[i].optics;
+        out[i].level =
+            optics_matter(o) ? environment_level_at(&scene->environment, o->roughness) : -1;
+        for (int k = 0; k < 3; k++) {
+            out[i].ior[k] = o->ior[k];
+            out[i].reflectance[k] = o->reflectance[k];
+            out[i].absorption[k] = o->absorption[k] * o->thickness;
+        }
+    }
+    enum stp_result result =
+        gpu_upload(env, frame->context, buffer, out, scene->object_count * sizeof *out);
+    mem_free(out);
+    return result;
+}
+
 static enum stp_result upload_order(const struct stp_env *env, struct record_frame *frame,
                                     const struct splats *splats, struct gpu_buffer *buffer)
 {
@@ -239,6 +263,13 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
             break;
         case PLAN_MATERIALS:
             result = upload_materials(env, frame, scene, buffer);
+            break;
+        case PLAN_OBJECT_OPTICS:
+            result = upload_optics(env, frame, scene, buffer);
+            break;
+        case PLAN_ENVIRONMENT:
+            result = gpu_upload(env, frame->context, buffer, scene->environment.texel,
+                                scene->environment.texel_count * sizeof *scene->environment.texel);
             break;
         case PLAN_ORDER:
             result = scene->volume

@@ -2,12 +2,14 @@
 #include "reference/planes.h"
 
 #include "base/thread.h"
+#include "reference/environment.h"
 
 struct finish {
     const struct planes *planes;
     const struct view *view;
-    const float *background;
-    double diagonal; /* of the scene: the unit of orthographic depth differences */
+    const float *background; /* NULL: the environment's, or none */
+    bool environment;        /* is behind */
+    double diagonal;         /* of the scene: the unit of orthographic depth differences */
 };
 
 /* How far the neighbour rises above the pixel; 0 where it is empty or farther. */
@@ -38,16 +40,27 @@ static double dome(const struct finish *finish, uint32_t x, uint32_t y)
     return exp(-8 * (sum / 8));
 }
 
+/* What is behind a pixel, straight; *alpha 0: nothing is. */
+static struct vec3 behind(const struct finish *finish, uint32_t x, uint32_t y, double *alpha)
+{
+    const struct eye *eye = &finish->view->eye;
+    *alpha = finish->environment ? 1 : finish->background ? (double)finish->background[3] : 0;
+    if (finish->environment)
+        return environment_light(finish->view, v3_unit(eye_ray(eye, x + 0.5, y + 0.5).along), 0);
+    return finish->background ? v3_loadf(finish->background) : v3(0, 0, 0);
+}
+
 static void finish_pixel(const struct finish *finish, uint32_t x, uint32_t y)
 {
     float *const *color = finish->planes->color;
-    const float *background = finish->background;
     size_t at = (size_t)y * finish->view->width + x;
-    double shade = finish->view->scene->facts.eye_dome ? dome(finish, x, y) : 1;
-    double behind = background ? (1.0 - color[3][at]) * background[3] : 0;
+    double shade = finish->view->scene->facts.eye_dome ? dome(finish, x, y) : 1, alpha;
+    struct vec3 back = behind(finish, x, y, &alpha);
+    const double light[3] = { back.x, back.y, back.z };
+    double left = (1.0 - (double)color[3][at]) * alpha;
     for (int i = 0; i < 3; i++)
-        color[i][at] = (float)(color[i][at] * shade + (background ? behind * background[i] : 0));
-    color[3][at] = (float)(color[3][at] + behind);
+        color[i][at] = (float)((double)color[i][at] * shade + left * light[i]);
+    color[3][at] = (float)((double)color[3][at] + left);
 }
 
 static void finish_rows(void *context, size_t begin, size_t end, unsigned worker)
@@ -59,15 +72,16 @@ static void finish_rows(void *context, size_t begin, size_t end, unsigned worker
 }
 
 void planes_finish(const struct stp_env *env, const struct planes *planes, const struct view *view,
-                   const float *background)
+                   const struct stp_render_params *params)
 {
     const struct stp_facts *facts = &view->scene->facts;
     const double *b = facts->bounds;
-    if (!facts->eye_dome && !background)
+    if (!facts->eye_dome && !params->background && !params->environment_behind)
         return;
     struct finish finish = { .planes = planes,
                              .view = view,
-                             .background = background,
+                             .background = params->background,
+                             .environment = params->environment_behind,
                              .diagonal = v3_length(v3(b[3] - b[0], b[4] - b[1], b[5] - b[2])) };
     parallel_for(env, view->height, 16, finish_rows, &finish);
 }

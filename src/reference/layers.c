@@ -7,7 +7,7 @@ static const struct nearest none = { .depth = INFINITY };
 static void begin(const struct tile *tile, size_t at)
 {
     tile->scratch->crossing[at] =
-        (struct crossing){ .next = none, .opaque = none, .transmittance = 1 };
+        (struct crossing){ .next = none, .opaque = none, .transmittance = 1, .tint = { 1, 1, 1 } };
 }
 
 static void find_first(const struct tile *tile, size_t at, uint32_t id, const struct disc *disc,
@@ -52,9 +52,11 @@ static void composite(const struct tile *tile, size_t at)
     if (layers == 1)
         c->first = s;
     c->first.layers = layers;
-    c->color =
-        v3_add(c->color, v3_scale(surface_shade(tile->view, &s), c->transmittance * s.opacity));
+    struct vec3 light = surface_shade(tile->view, &s);
+    light = v3(light.x * c->tint.x, light.y * c->tint.y, light.z * c->tint.z);
+    c->color = v3_add(c->color, v3_scale(light, c->transmittance * s.opacity));
     c->transmittance *= 1 - s.opacity;
+    c->tint = surface_absorb(tile->view, &s, layers, c->tint);
     if (c->nearest.depth == c->opaque.depth)
         c->opaque = c->next = none;
 }
@@ -62,7 +64,13 @@ static void composite(const struct tile *tile, size_t at)
 static void finish(const struct tile *tile, size_t at)
 {
     const struct crossing *c = &tile->scratch->crossing[at];
-    if (c->first.layers > 0)
+    if (c->first.layers == 0)
+        return;
+    if (surface_is_glass(tile->view, &c->first))
+        tile_hit(
+            tile, at, &c->first,
+            surface_glass(tile->view, &c->first, c->color, v3_scale(c->tint, c->transmittance)), 1);
+    else
         tile_hit(tile, at, &c->first, c->color, 1 - c->transmittance);
 }
 

@@ -1,6 +1,7 @@
 /* I = sum over lights of color (albedo (ambient + diffuse max(0, n.l)) + specular max(0, n.h)^s).
  */
 #include "reference/surface.h"
+#include "scene/optics.h"
 
 static struct vec3 towards_light(const struct eye *eye, const struct stp_light *light,
                                  struct vec3 point)
@@ -35,12 +36,14 @@ struct vec3 surface_shade(const struct view *view, const struct surface *surface
 {
     const struct stp_scene *scene = view->scene;
     const uint16_t *object = scene->splats.object;
-    const struct stp_material *material =
-        &scene->objects[object ? object[surface->id] : 0].material;
+    const struct scene_object *of = &scene->objects[object ? object[surface->id] : 0];
     struct vec3 sum = v3(0, 0, 0);
     if (scene->facts.eye_dome) /* shaded by depth, once the picture's depths are known */
         return surface->albedo;
     for (unsigned i = 0; i < scene->light_count; i++)
-        sum = v3_add(sum, shade_one(view, surface, material, &scene->lights[i]));
-    return sum;
+        sum = v3_add(sum, shade_one(view, surface, &of->material, &scene->lights[i]));
+    /* Of what lets light through only the nearest layer mirrors: surface_glass. */
+    bool mirrors =
+        scene->environment.map.width && optics_matter(&of->optics) && surface->opacity == 1;
+    return mirrors ? surface_mirror(view, surface, &of->optics, sum) : sum;
 }

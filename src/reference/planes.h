@@ -31,6 +31,6 @@ void planes_write(const struct planes *planes, const struct view *view, size_t a
 
 /* dome.c: eye-dome shading and the background, once every pixel's depth is known. */
 void planes_finish(const struct stp_env *env, const struct planes *planes, const struct view *view,
-                   const float *background);
+                   const struct stp_render_params *params);
 
 #endif

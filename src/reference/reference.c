@@ -58,6 +58,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (!(params->epsilon >= 0) || isnan(params->min_splat))
         return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g or min-splat %g is out of range",
                          params->epsilon, params->min_splat);
+    if (params->environment_behind && !scene->environment.map.width)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the scene has no environment to stand behind it");
     return check_camera(env, camera);
 }
 
@@ -68,6 +71,7 @@ struct view reference_view(const struct stp_scene *scene, const struct stp_camer
                          .width = camera->width,
                          .height = camera->height,
                          .kernel = params->kernel,
+                         .single_layer = params->layers == STP_LAYERS_SINGLE,
                          .cull_back = params->cull == STP_CULL_BACK,
                          .two_sided = scene->facts.two_sided,
                          .local_viewer = params->local_viewer,
@@ -90,7 +94,7 @@ static void render_tiles(void *context, size_t begin, size_t end, unsigned worke
 }
 
 static enum stp_result render(const struct stp_env *env, const struct view *view,
-                              const struct planes *planes, const float *background)
+                              const struct planes *planes, const struct stp_render_params *params)
 {
     unsigned threads = thread_count(env);
     struct bins bins;
@@ -101,7 +105,7 @@ static enum stp_result render(const struct stp_env *env, const struct view *view
     if (result == STP_OK) {
         struct job job = { env, view, &bins, planes, scratch };
         parallel_for(env, (size_t)bins.across * bins.down, 1, render_tiles, &job);
-        planes_finish(env, planes, view, background);
+        planes_finish(env, planes, view, params);
         bins_release(&bins);
     }
     mem_free(scratch);
@@ -120,8 +124,8 @@ enum stp_result reference_render(const struct stp_env *env, const struct stp_sce
     if (result != STP_OK)
         return result;
     struct view view = reference_view(scene, camera, params);
-    result = scene->volume ? medium_render(env, &view, &planes, params->background, LEAST_ALPHA)
-                           : render(env, &view, &planes, params->background);
+    result = scene->volume ? medium_render(env, &view, &planes, params, LEAST_ALPHA)
+                           : render(env, &view, &planes, params);
     if (result == STP_OK)
         *image = made;
     else

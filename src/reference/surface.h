@@ -37,6 +37,20 @@ void sums_add(const struct view *view, struct sums *sums, uint32_t id, const str
 struct surface surface_resolve(const struct view *view, const struct nearest *nearest,
                                const struct sums *sums, const struct ray *ray);
 
+/* optics.c: what the environment adds to a surface that sends `own` light by itself. */
+struct vec3 surface_mirror(const struct view *view, const struct surface *surface,
+                           const struct stp_optics *o, struct vec3 own);
+
+/* Whether this nearest layer of a ray is transparent and meets the environment. */
+bool surface_is_glass(const struct view *view, const struct surface *first);
+/* What the eye sees by such a layer: own, the layers' light, premultiplied; through, what they all
+ * let pass. */
+struct vec3 surface_glass(const struct view *view, const struct surface *first, struct vec3 own,
+                          struct vec3 through);
+/* `tint` behind the ray's layer number `layer` (from 1) as well. */
+struct vec3 surface_absorb(const struct view *view, const struct surface *surface, uint32_t layer,
+                           struct vec3 tint);
+
 /* light.c: the shading model, linear. */
 struct vec3 surface_shade(const struct view *view, const struct surface *surface);
 

@@ -14,6 +14,7 @@ struct crossing {
     struct surface first; /* the nearest layer; .layers counts those done */
     struct vec3 color;    /* premultiplied, of the layers done */
     double transmittance; /* of them */
+    struct vec3 tint;     /* what their absorption leaves */
 };
 
 /* One thread's; of a tile's pixels, row by row. */

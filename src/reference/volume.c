@@ -260,7 +260,7 @@ static enum stp_result render(const struct stp_env *env, const struct medium *me
 }
 
 enum stp_result medium_render(const struct stp_env *env, const struct view *view,
-                              const struct planes *planes, const float *background,
+                              const struct planes *planes, const struct stp_render_params *params,
                               double least_alpha)
 {
     struct medium medium;
@@ -271,6 +271,6 @@ enum stp_result medium_render(const struct stp_env *env, const struct view *view
     result = render(env, &medium, planes);
     medium_release(&medium);
     if (result == STP_OK)
-        planes_finish(env, planes, view, background);
+        planes_finish(env, planes, view, params);
     return result;
 }

@@ -49,7 +49,7 @@ void medium_bins_release(struct medium_bins *bins);
 
 /* The whole picture; planes are those of an empty picture. */
 enum stp_result medium_render(const struct stp_env *env, const struct view *view,
-                              const struct planes *planes, const float *background,
+                              const struct planes *planes, const struct stp_render_params *params,
                               double least_alpha);
 
 #endif

@@ -6,11 +6,19 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "scene/optics.h"
 
 #define MAX_OBJECTS 65535 /* splats.object has 16 bits */
 
 static const struct stp_material default_material = SCENE_DEFAULT_MATERIAL;
 static const struct stp_light head_light = { .at_eye = true, .color = { 1, 1, 1 } };
+
+void environment_release(struct scene_environment *environment)
+{
+    environment_map_release(&environment->map);
+    mem_free(environment->texel);
+    *environment = (struct scene_environment){ 0 };
+}
 
 void cover_groups_release(struct cover_groups *groups)
 {
@@ -52,6 +60,7 @@ void stp_scene_destroy(struct stp_scene **scene)
         cloud_release(&(*scene)->objects[i].cloud);
     mem_free((*scene)->objects);
     splats_release(&(*scene)->splats);
+    environment_release(&(*scene)->environment);
     cover_groups_release(&(*scene)->cover);
     volume_release(&(*scene)->volume);
     mem_free(*scene);
@@ -101,7 +110,7 @@ static enum stp_result check_object(const struct stp_env *env, const struct stp_
     if (m && (!all_finite(m->albedo, 3) ||
               !all_finite((float[]){ m->ambient, m->diffuse, m->specular, m->shininess }, 4)))
         return log_error(env, STP_ERROR_ARGUMENT, "%s: the material is not finite", what);
-    return STP_OK;
+    return optics_check(env, object->optics);
 }
 
 /* What 0 (not set) and negative (none) mean. */
@@ -132,6 +141,7 @@ enum stp_result scene_add_cloud(const struct stp_env *env, struct stp_scene *sce
         .material = object && object->material ? *object->material : default_material,
         .epsilon = object ? object->epsilon : 0,
         .opacity = 1,
+        .optics = optics_resolve(object ? object->optics : NULL),
     };
     if (object)
         objects[scene->object_count - 1].opacity =

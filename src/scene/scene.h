@@ -5,6 +5,7 @@
 #include <stipple/view.h>
 
 #include "load/cloud.h"
+#include "load/environment.h"
 #include "scene/splats.h"
 #include "scene/volume.h"
 
@@ -31,6 +32,26 @@ struct scene_object {
     double epsilon; /* 0 until prepare resolves it to the median radius of the object */
     float opacity;  /* [0, 1], with the material's; in splats.opacity too, once prepared */
     enum color_source color_source;
+    struct stp_optics optics; /* every field as it is meant: defaults filled in */
+};
+
+#define ENVIRONMENT_LEVELS 12
+
+/* What a lobe of this roughness receives from every direction: `height` rows of `width` texels, and
+ * a row before and after them that is the pole's one value. */
+struct environment_level {
+    float roughness;
+    uint32_t width, height;
+    size_t first; /* texel */
+};
+
+struct scene_environment {
+    struct environment_map map; /* width 0: there is none */
+    struct stp_environment_params params;
+    unsigned level_count; /* made by prepare; level 0 is the map itself, roughness ascends */
+    struct environment_level level[ENVIRONMENT_LEVELS];
+    float (*texel)[3]; /* of all levels, intensity multiplied in */
+    size_t texel_count;
 };
 
 /* Of a scene that keeps a share of its splats (stp_scene_share). */
@@ -47,6 +68,7 @@ struct stp_scene {
     bool has_camera;        /* a scene .json may carry one */
     bool camera_intrinsics; /* a new size scales them; else the field of view stays */
     struct stp_camera camera;
+    struct scene_environment environment;
     struct splats splats;
     struct cover_groups cover; /* after stp_scene_cover */
     struct volume *volume;     /* NULL: none; then there are no splats */
@@ -56,6 +78,8 @@ struct stp_scene {
     bool prepared;
     struct scene_share share;
 };
+
+void environment_release(struct scene_environment *environment);
 
 /* Takes ownership of *cloud (it is zeroed); on failure the cloud stays the caller's. The first
  * cloud's up and format become the scene's. A prepared scene takes no more points. */

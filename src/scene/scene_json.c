@@ -8,6 +8,7 @@
 #include "base/memory.h"
 #include "base/vec.h"
 #include "scene/camera_json.h"
+#include "scene/optics.h"
 
 /* Names to values of an enum, ended by a NULL name. */
 struct choice {
@@ -42,8 +43,8 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
                                   { "-y", STP_UP_NEG_Y },  { NULL, 0 } };
     const cJSON *points = cJSON_GetObjectItemCaseSensitive(json, "points");
     int read = STP_UP_AUTO;
-    enum stp_result result =
-        json_check_object(root, json, "points volume lights camera camera_file up name comment");
+    enum stp_result result = json_check_object(
+        root, json, "points volume lights camera camera_file environment up name comment");
     bool none = !points && json_has(json, "volume");
     if (result == STP_OK && !none && !cJSON_IsArray(points))
         result = json_error(root, "points", "an array of point files is needed");
@@ -109,8 +110,8 @@ enum stp_result scene_json_material(const struct json_at *at, const cJSON *item,
     struct stp_material read = SCENE_DEFAULT_MATERIAL;
     const char *keys[4] = { "ambient", "diffuse", "specular", "shininess" };
     float *values[4] = { &read.ambient, &read.diffuse, &read.specular, &read.shininess };
-    enum stp_result result =
-        json_check_object(at, item, "ambient diffuse specular shininess albedo opacity");
+    enum stp_result result = json_check_object(
+        at, item, "ambient diffuse specular shininess albedo opacity " OPTICS_KEYS);
     for (int i = 0; i < 4 && result == STP_OK; i++) {
         result = json_get_float(at, item, keys[i], values[i]);
         if (result == STP_OK && *values[i] < 0)
@@ -163,6 +164,8 @@ static enum stp_result get_look(const struct json_at *at, const cJSON *item,
     if (material) {
         struct json_at below = json_below(at, "material", -1);
         result = scene_json_material(&below, material, &entry->material);
+        if (result == STP_OK)
+            result = optics_from_json(&below, material, &entry->optics);
     }
     if (result == STP_OK)
         result = get_positive(at, item, "epsilon", &p->epsilon);
@@ -175,6 +178,8 @@ static enum stp_result get_look(const struct json_at *at, const cJSON *item,
     if (result != STP_OK)
         return result;
     p->material = given.material ? given.material : material ? &entry->material : NULL;
+    entry->optics = optics_merge(&entry->optics, given.optics);
+    p->optics = &entry->optics;
     p->epsilon = given.epsilon > 0 ? given.epsilon : p->epsilon;
     p->opacity = given.opacity != 0 ? given.opacity : p->opacity;
     p->color_by = given.color_by ? given.color_by : p->color_by;

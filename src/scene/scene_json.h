@@ -10,6 +10,7 @@ struct scene_entry {
     char *file; /* owned; the scene file's folder is prepended to a relative path */
     struct stp_load_params params; /* color_by may point into the JSON, material below */
     struct stp_material material;
+    struct stp_optics optics;
     bool transformed;
     double transform[16]; /* rotation, uniform scale and translation */
     double scale;

@@ -10,6 +10,7 @@
 #include "base/vec.h"
 #include "load/readers.h"
 #include "scene/camera_json.h"
+#include "scene/environment.h"
 #include "scene/scene_json.h"
 
 /* True when the first byte that is no space is '{' (gzip or not); no point format starts so.
@@ -104,7 +105,8 @@ static enum stp_result add_points(const struct stp_env *env, struct stp_scene *s
                                           .color_by = params->color_by };
     const struct stp_object_params object = { .material = params->material,
                                               .epsilon = params->epsilon,
-                                              .opacity = params->opacity };
+                                              .opacity = params->opacity,
+                                              .optics = params->optics };
     struct cloud cloud = { 0 };
     enum stp_result result = load_from_bytes(env, path, bytes, &options, &cloud);
     if (result != STP_OK)
@@ -193,6 +195,8 @@ static enum stp_result load_json(const struct stp_env *env, const char *path,
         result = scene_json_lights(&root, json, scene);
     if (result == STP_OK)
         result = scene_json_camera(&root, json, scene);
+    if (result == STP_OK)
+        result = environment_from_json(&root, json, &scene->environment);
     if (result == STP_OK) {
         struct stp_load_params resolved = *params;
         if (resolved.up == STP_UP_AUTO)

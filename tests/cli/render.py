@@ -64,6 +64,38 @@ class Render(command.CommandTest):
         for by in ["height", "normal"]:
             gap = abs(means[by]["albedo.R"] - means[by]["albedo.B"])
             self.assertGreater(gap, 0.02, f"{by}: {means[by]}")
+    def sky(self, name="sky.hdr"):
+        """A Radiance map of 8 x 4 texels, all of them 0.5, 0.25, 1."""
+        self.write(name, b"#?RADIANCE\n\n-Y 4 +X 8\n" + bytes([64, 32, 128, 128]) * 32)
+        return name
+
+    def test_environment(self):
+        self.done(*BASIC, "--environment", self.sky(), "--background", "environment",
+                  "--environment-rotation", "30", "--environment-intensity", "2",
+                  "--reflectance", "0.9,0.5,0.2", "--roughness", "0.5", "--ior", "1.4",
+                  "--compression", "none")
+        # Scanline 0 of an uncompressed file: A B G N.X N.Y N.Z R Z, 40 floats each.
+        data = self.read("out.exr")
+        line = struct.unpack_from("<320f", data, len(data) - 30 * (8 + 40 * 8 * 4) + 8)
+        self.assertEqual([line[40 * channel] for channel in (0, 6, 2, 1)], [1, 0.5, 0.25, 1])
+
+    def test_environment_of_a_scene(self):
+        self.sky()
+        self.write("scene.json", json.dumps({
+            "points": [{"file": "ball.ply", "material": {"ior": [1.4, 1.5, 1.6], "roughness": 0.2}}],
+            "environment": {"file": "sky.hdr", "rotation": 90, "intensity": 2}}))
+        self.done("render", "scene.json", "-o", "out.exr", *BASIC[4:], "--background",
+                  "environment")
+
+    def test_environment_refused(self):
+        self.sky()
+        self.fails(3, ["missing.exr"], *BASIC, "--environment", "missing.exr")
+        self.fails(3, ["neither OpenEXR nor Radiance"], *BASIC, "--environment", "ball.ply")
+        self.fails(1, ["the scene has none"], *BASIC, "--background", "environment")
+        for option, value in [("--ior", "0"), ("--ior", "1,2"), ("--roughness", "1.1"),
+                              ("--roughness", "0,0,0"), ("--reflectance", "-0.1"),
+                              ("--environment-intensity", "0"), ("--layers", "both")]:
+            self.fails(2, [option], *BASIC, "--environment", "sky.hdr", option, value)
 
     def test_half(self):
         self.done(*BASIC, "--half", "--aov", "albedo,P")

@@ -243,6 +243,24 @@ def make_exr():
         seed("exr", name + ".exr", head + table + b"".join(chunks))
 
 
+def make_environment():
+    head = b"#?RADIANCE\n%sFORMAT=32-bit_rle_rgbe\n\n%s\n"
+    pixel, run = bytes([9, 80, 200, 130]), bytes([1, 1, 1, 5])
+    new = b"\2\2\0\12" + (b"\3\1\2\3" + bytes([128 + 7, 64])) * 4
+    for name, lines, size, data in [
+            ("flat", b"", b"-Y 2 +X 4", pixel * 8), ("new", b"", b"-Y 2 +X 10", new * 2),
+            ("old", b"EXPOSURE=2\n", b"+Y 2 -X 6", (pixel + run) * 2),
+            ("long", b"GAMMA=2.2\n", b"-Y 1 +X 262", pixel + run + run[:3] + b"\1"),
+            ("columns", b"# a remark\n", b"+X 3 -Y 2", pixel * 6)]:
+        seed("environment", name + ".hdr", head % (lines, size) + data)
+    for name, kinds in [("color", [(b"B", 1), (b"G", 1), (b"R", 1)]), ("grey", [(b"Y", 1)])]:
+        line = bytes(range(8)) * len(kinds)
+        start = exr_head(kinds, 0, False)
+        table = b"".join(struct.pack("<Q", len(start) + 32 + i * (8 + len(line))) for i in range(4))
+        chunks = b"".join(struct.pack("<iI", i, len(line)) + line for i in range(4))
+        seed("environment", name + ".exr", start + table + chunks)
+
+
 def make_gzip():
     one = gzip.compress(b"1 2 3\n" * 20, mtime=0)
     seed("gzip", "one.gz", one)
@@ -303,6 +321,6 @@ def make_transfer_json():
     seed("transfer_json", "range.json", '{"unit": "range", "points": [{"value": 0, "opacity": 1}]}')
 
 
-for make in (make_las, make_pcd, make_ply, make_text, make_json, make_exr, make_gzip, make_volume,
-             make_transfer_json):
+for make in (make_las, make_pcd, make_ply, make_text, make_json, make_exr, make_environment,
+             make_gzip, make_volume, make_transfer_json):
     make()

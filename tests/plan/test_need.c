@@ -96,6 +96,27 @@ static void samples(struct inputs *in)
 {
     in->params.samples = 5;
 }
+static void around(struct inputs *in)
+{
+    in->scene->facts.environment_levels = 1;
+    in->scene->facts.environment_texels = 1000;
+}
+static void mirrors(struct inputs *in)
+{
+    around(in);
+    in->scene->facts.reflects = true;
+}
+static void all_mirrors(struct inputs *in)
+{
+    mirrors(in);
+    in->scene->facts.environment_levels = 3;
+    in->scene->facts.mirrors = in->scene->facts.between_levels = in->scene->facts.disperses = true;
+}
+static void behind(struct inputs *in)
+{
+    around(in);
+    in->params.environment_behind = true;
+}
 static void faded(struct inputs *in)
 {
     fade_inputs(in, false);
@@ -104,6 +125,18 @@ static void mixed(struct inputs *in)
 {
     fade_inputs(in, true);
     in->params.aovs = STP_AOV_LAYERS;
+}
+static void glass(struct inputs *in)
+{
+    mirrors(in);
+    fade_inputs(in, false);
+}
+static void all_glass(struct inputs *in)
+{
+    all_mirrors(in);
+    fade_inputs(in, false);
+    in->scene->facts.absorbs = true;
+    in->params.layers = STP_LAYERS_SINGLE;
 }
 static void gpu(struct inputs *in)
 {
@@ -143,6 +176,20 @@ static const struct feature {
     { "eye dome", eye_dome, ALL, NULL, "+eye dome", -1, 0 },
     { "exact Voronoi", voronoi_exact, KEYS, "+nearest", "+nearest", PLAN_VORONOI, 2 },
     { "samples", samples, EXACT | TWO_PASS | KEYS, NULL, NULL, PLAN_SAMPLE_GRID, 3 },
+    { "an environment that nothing meets", around, ALL, NULL, NULL, PLAN_OPTICS, 0 },
+    { "mirrors", mirrors, ALL, "+environment", NULL, PLAN_OPTICS, STP_OPTICS_SURFACE },
+    { "mirrors", mirrors, ALL, "+optics", NULL, PLAN_BACKGROUND, 0 },
+    { "mirrors, rough", all_mirrors, ALL, "+optics", NULL, PLAN_OPTICS,
+      STP_OPTICS_SURFACE | STP_OPTICS_ROUGH | STP_OPTICS_BETWEEN | STP_OPTICS_MIRRORS },
+    { "glass", glass, EXACT, "+environment", "+layers", PLAN_OPTICS,
+      STP_OPTICS_SURFACE | STP_OPTICS_GLASS | STP_OPTICS_MULTI },
+    { "glass, all of it", all_glass, EXACT, "+optics", "+mend layer", PLAN_OPTICS,
+      STP_OPTICS_SURFACE | STP_OPTICS_ROUGH | STP_OPTICS_BETWEEN | STP_OPTICS_MIRRORS |
+          STP_OPTICS_GLASS | STP_OPTICS_DISPERSE | STP_OPTICS_ABSORBS },
+    { "no glass", faded, EXACT, NULL, NULL, PLAN_OPTICS, 0 },
+    { "an environment behind", behind, ALL, "+environment", NULL, PLAN_OPTICS, STP_OPTICS_BEHIND },
+    { "an environment behind", behind, EXACT | TWO_PASS | KEYS, NULL, "+background",
+      PLAN_BACKGROUND, 1 },
     { "one opacity", faded, EXACT, NULL, "+layers", PLAN_OPACITY, 1 },
     { "one opacity", faded, EXACT, NULL, "-resolve", PLAN_MIXED, 0 },
     { "opacities", mixed, EXACT, "+opacities", "+mend layer", PLAN_OPACITY, 2 },
@@ -206,6 +253,22 @@ static void test_the_least(void **state)
     assert_int_equal(resource_named(plan, "materials")->bytes, 32);
     assert_int_equal(resource_named(plan, "splats")->bytes, 100 * 32);
     stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+/* An environment that no surface meets and nobody asked to see leaves the plan as it was. */
+static void test_unmet_environment(void **state)
+{
+    struct inputs in = plain_inputs();
+    struct stp_plan *without = plan_of(&in);
+    around(&in);
+    struct stp_plan *with = plan_of(&in);
+    assert_memory_equal(with->resource, without->resource, sizeof with->resource);
+    assert_memory_equal(with->pass, without->pass, sizeof with->pass);
+    assert_memory_equal(with->constant, without->constant, sizeof with->constant);
+    assert_memory_equal(&with->frame, &without->frame, sizeof with->frame);
+    stp_plan_destroy(&with);
+    stp_plan_destroy(&without);
     release_inputs(&in);
 }
 
@@ -389,10 +452,10 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_features),         cmocka_unit_test(test_the_least),
+        cmocka_unit_test(test_transparency),     cmocka_unit_test(test_voronoi),
+        cmocka_unit_test(test_groups),           cmocka_unit_test(test_squarings),
+        cmocka_unit_test(test_payload),          cmocka_unit_test(test_unmet_environment),
         cmocka_unit_test(test_the_least_of_all), cmocka_unit_test(test_channels),
-        cmocka_unit_test(test_voronoi),          cmocka_unit_test(test_groups),
-        cmocka_unit_test(test_squarings),        cmocka_unit_test(test_payload),
-        cmocka_unit_test(test_transparency),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

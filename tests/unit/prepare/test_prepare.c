@@ -162,7 +162,7 @@ static void several_objects(void **state)
         radius[i] = 0.25f;
     }
     struct stp_material red = { .ambient = 0.1f, .diffuse = 0.7f, .albedo = { 1, 0, 0 } };
-    struct stp_object_params first = { &red, 0.5, 0.5f };
+    struct stp_object_params first = { .material = &red, .epsilon = 0.5, .opacity = 0.5f };
     struct stp_points points = { .count = 1000, .position = (const double(*)[3])a.position };
     struct stp_points others = {
         500,    (const double(*)[3])b.position, (const float(*)[3])b.normal,
@@ -340,7 +340,7 @@ static bool try_with_failure(unsigned long n, const struct input *in)
                                  in->radius + 500,
                                  NULL,
                                  NULL };
-    struct stp_object_params object = { NULL, 0, 0.5f };
+    struct stp_object_params object = { .opacity = 0.5f };
     struct stp_scene *scene = NULL;
     mem_fail_at(n);
     enum stp_result result = stp_scene_create(&env, &scene);

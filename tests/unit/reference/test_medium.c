@@ -266,7 +266,8 @@ static void dropping_costs_little(void **state)
     for (int i = 0; i < 2; i++) {
         struct planes planes;
         assert_int_equal(planes_create(NULL, scene, &camera, 0, &image[i], &planes), STP_OK);
-        assert_int_equal(medium_render(NULL, &view, &planes, NULL, i == 0 ? 0 : LEAST_ALPHA),
+        assert_int_equal(medium_render(NULL, &view, &planes, &(struct stp_render_params){ 0 },
+                                       i == 0 ? 0 : LEAST_ALPHA),
                          STP_OK);
     }
     double most = 0, lost;

@@ -155,6 +155,22 @@ static void test_mistakes(void **state)
         { "{\"points\": [], \"lights\": []}", "lights: an array of 1 to 8" },
         { "{\"points\": [], \"lights\": [{}]}", "lights[0].at_eye: exactly one" },
         { "{\"points\": [], \"lights\": [{\"direction\": [0,0,0]}]}", "must not be zero" },
+        { "{\"points\": [{\"file\": \"a.ply\", \"material\": {\"ior\": 0}}]}",
+          "points[0].material.ior: 0.05 to 20" },
+        { "{\"points\": [{\"file\": \"a.ply\", \"material\": {\"ior\": [1, 2]}}]}",
+          "material.ior: an array of 3" },
+        { "{\"points\": [{\"file\": \"a.ply\", \"material\": {\"roughness\": [0, 0, 0]}}]}",
+          "material.roughness: a finite number" },
+        { "{\"points\": [{\"file\": \"a.ply\", \"material\": {\"reflectance\": 1.1}}]}",
+          "material.reflectance: 0 to 1" },
+        { "{\"points\": [{\"file\": \"a.ply\", \"material\": {\"absorption\": -1}}]}",
+          "material.absorption: numbers from 0" },
+        { "{\"points\": [], \"environment\": 1}", "environment." },
+        { "{\"points\": [], \"environment\": {}}", "environment.file: the path" },
+        { "{\"points\": [], \"environment\": {\"file\": \"sky.hdr\", \"intensity\": 0}}",
+          "environment.intensity: more than 0" },
+        { "{\"points\": [], \"environment\": {\"file\": \"a.ply\"}}",
+          "a.ply: neither OpenEXR nor Radiance" },
         { "{\"points\": [], \"camera\": {}}", "camera.world_to_camera: missing" },
         { "{\"points\": [], \"camera\": {}, \"camera_file\": \"c\"}", "exclude each other" },
     };
@@ -183,6 +199,33 @@ static void test_unknown_keys(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* Optics of an object; what the caller's set wins field by field, 0 being a value of a file. */
+static void test_environment(void **state)
+{
+    static const char text[] =
+        "{\"points\": [\"a.ply\", {\"file\": \"a.ply\", \"material\": {\"ior\": [1.2, 1.3, 1.4], "
+        "\"reflectance\": 0, \"roughness\": 0.5, \"absorption\": [0, 1, 2], \"thickness\": 3}}], "
+        "\"environment\": {\"file\": \"sky.hdr\", \"rotation\": 90, \"intensity\": 2}}";
+    const struct stp_optics optics = { .roughness = -1, .reflectance = { 0.5f } };
+    const struct stp_load_params params = { .optics = &optics };
+    struct log_book book;
+    for (int given = 0; given < 2; given++) {
+        struct stp_scene *scene = load(*state, text, given ? &params : NULL, &book);
+        assert_non_null(scene);
+        const struct scene_environment *e = &scene->environment;
+        assert_true(e->map.width == 2 && e->map.height == 1 && e->params.intensity == 2);
+        assert_float_equal(e->params.rotation, 1.5707963267948966, 1e-12);
+        const struct stp_optics *plain = &scene->objects[0].optics, *o = &scene->objects[1].optics;
+        assert_true(plain->ior[0] == 1.5f && plain->thickness == 1 && plain->absorption[1] == 0);
+        assert_true(o->ior[0] == 1.2f && o->ior[2] == 1.4f && o->thickness == 3);
+        assert_true(o->absorption[0] == 0 && o->absorption[2] == 2);
+        assert_true(o->roughness == (given ? 0 : 0.5f) && o->reflectance[1] == 0);
+        assert_true(o->reflectance[0] == (given ? 0.5f : 0));
+        assert_true(plain->reflectance[0] == o->reflectance[0]);
+        stp_scene_destroy(&scene);
+    }
+}
+
 /* cJSON's own allocations are not counted; all of ours are. */
 static void test_memory(void **state)
 {
@@ -194,7 +237,8 @@ static void test_memory(void **state)
     env.threads = 1;
     put_file(*state, "s.json",
              "{\"points\": [\"a.ply\", {\"file\": \"sub/b.ply\", \"transform\": [1,0,0,0, 0,1,0,0, "
-             "0,0,1,0, 0,0,0,1]}], \"lights\": [{\"at_eye\": true}]}");
+             "0,0,1,0, 0,0,0,1]}], \"lights\": [{\"at_eye\": true}], \"environment\": {\"file\": "
+             "\"sky.hdr\"}}");
     in_folder(*state, "s.json", path);
     for (unsigned long n = 1;; n++) {
         mem_fail_at(n);
@@ -238,6 +282,7 @@ static int set_up(void **state)
     if (make_folder(state) != 0)
         return -1;
     put_file(*state, "a.ply", ply);
+    put_file(*state, "sky.hdr", "#?RGBE\n\n-Y 1 +X 2\n@@@\200@@@\200");
     if (mkdir(in_folder(*state, "sub", path), 0777) != 0)
         return -1;
     put_file(*state, "sub/b.ply", ply);
@@ -250,7 +295,8 @@ int main(void)
         cmocka_unit_test(test_whole),       cmocka_unit_test(test_params_win),
         cmocka_unit_test(test_camera_file), cmocka_unit_test(test_point_file),
         cmocka_unit_test(test_mistakes),    cmocka_unit_test(test_unknown_keys),
-        cmocka_unit_test(test_memory),      cmocka_unit_test(test_example),
+        cmocka_unit_test(test_environment), cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_example),
     };
     return cmocka_run_group_tests(tests, set_up, remove_folder);
 }
