@@ -5,6 +5,9 @@
   tools/bench.py speed FILE.ply... [--peers DIR] times, interleaved over rounds; DIR may hold other
                                                  programs, `em FILE OUT 1p1 SIZE FRAMES` and
                                                  `sp FILE OUT SIZE FRAMES`, to run between ours
+  tools/bench.py transparency FILE.ply...        error and time of transparent pictures, opacity
+                                                 0.3 and 0.6, both faces; interleaved over rounds
+                                                 with deferred keys over the same, opaque splats
 
 The view is the one that point renderers are compared with here: the centre of the bounding box from
 direction (0.4, 0.3, 1), y up, 30 degrees, the largest |ndc| of a centre 0.95; 1024 x 1024, back
@@ -40,6 +43,9 @@ SPEED = [
     ["deferred", "--overlap", "0.4", "--payload", "id"], ["two-pass", "--path", "compute"],
     ["two-pass", "--path", "raster"], ["deferred", "--overlap", "0.4", "--path", "raster"],
 ]
+
+TRANSPARENT = [["exact"], ["exact", "--payload", "id"]]
+OPAQUE = [["deferred", "--overlap", "0.4"], ["deferred"], ["two-pass", "--path", "compute"]]
 
 
 def positions(path):
@@ -145,10 +151,44 @@ def speed(models, folder, peers, rounds):
                   f"{min(ms):.1f} - {max(ms):.1f} | {ratio:.2f} |", flush=True)
 
 
+def layers(model, view, more, folder, repeat="7"):
+    stats = os.path.join(folder, "s.json")
+    stipple("render", model, "--camera", view, *VIEW, "--cull", "none", *more, "--repeat", repeat,
+            "--stats", stats)
+    with open(stats, encoding="utf-8") as file:
+        return json.load(file)["frame_ms"]["median"]
+
+
+def transparency(models, folder, rounds):
+    print("| model | what | PSNR, dB | worst | ms a frame, median | range over rounds |\n"
+          "|---|---|---:|---:|---:|---:|")
+    for model in models:
+        view, truth, out = (os.path.join(folder, n) for n in ["view.json", "t.exr", "o.exr"])
+        camera(model, view)
+        ways, errors, times = {}, {}, {}
+        for opacity in ["0.3", "0.6"]:
+            faded = ["--opacity", opacity]
+            layers(model, view, [*faded, "--transparency", "reference", "-o", truth], folder, "0")
+            for way in TRANSPARENT:
+                name = f"{' '.join(way)}, opacity {opacity}"
+                ways[name] = [*faded, "--transparency", *way]
+                layers(model, view, [*ways[name], "-o", out], folder, "0")
+                covered = json.loads(stipple("compare", "--json", out, truth))["covered"]
+                errors[name] = f"{covered['psnr'] or math.inf:.1f} | {covered['maximum']:.3f}"
+        for way in OPAQUE:
+            ways[f"{' '.join(way)}, opaque"] = ["--method", *way]
+        for _ in range(rounds):
+            for name, way in ways.items():
+                times.setdefault(name, []).append(layers(model, view, way, folder))
+        for name, ms in times.items():
+            print(f"| {os.path.basename(model)} | {name} | {errors.get(name, '- | -')} | "
+                  f"{statistics.median(ms):.1f} | {min(ms):.1f} - {max(ms):.1f} |", flush=True)
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["accuracy", "speed"])
+    parser.add_argument("what", choices=["accuracy", "speed", "transparency"])
     parser.add_argument("models", nargs="+", metavar="FILE.ply")
     parser.add_argument("--peers", metavar="DIR")
     parser.add_argument("--rounds", type=int, default=5)
@@ -156,6 +196,8 @@ def main():
     with tempfile.TemporaryDirectory() as folder:
         if options.what == "accuracy":
             accuracy(options.models, folder)
+        elif options.what == "transparency":
+            transparency(options.models, folder, options.rounds)
         else:
             speed(options.models, folder, options.peers, options.rounds)
 
