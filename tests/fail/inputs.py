@@ -81,8 +81,9 @@ class Inputs(command.CommandTest):
         self.write("limits.json", b"{]")
         self.fails(3, ["limits.json"], "plan", "ball.ply", "--limits", "limits.json")
         self.write("small.json", SMALL_DEVICE)
-        self.fails(1, ["one buffer takes", "allows 4096"], "plan", "ball.ply", "--limits",
-                   "small.json")
+        small = ["plan", "ball.ply", "--limits", "small.json"]
+        self.fails(1, ["4096 in one buffer", "--method reference"], *small, "--method", "exact")
+        self.assertIn("reference is chosen", self.done(*small))
 
     def test_damaged_camera_path(self):
         """What comes before the damaged camera is done, and the line says which one it is."""
