@@ -17,7 +17,7 @@ static void count_lines(void *user, enum stp_log_level level, const char *line)
 
 static struct stp_scene scene_of(struct splats splats, double epsilon)
 {
-    struct stp_scene scene = { .prepared = true, .splats = splats, .object_count = 1 };
+    struct stp_scene scene = { .prepared = true, .splats = splats, .object_count = 2 };
     scene.objects = calloc(2, sizeof *scene.objects);
     scene.objects[0].epsilon = scene.objects[1].epsilon = epsilon;
     return scene;
