@@ -70,8 +70,8 @@ static enum stp_result choose_transparency(const struct stp_env *env, struct stp
     if (plan->transparency != STP_TRANSPARENCY_REFERENCE &&
         plan->transparency != STP_TRANSPARENCY_EXACT)
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "the scene is transparent, and this version has no transparency %s on a "
-                         "device: ask for reference",
+                         "the scene is transparent, and this version has no transparency %s: ask "
+                         "for exact or reference",
                          name);
     if (plan->transparency == STP_TRANSPARENCY_EXACT &&
         !(plan->limits.features & STP_FEATURE_INT64_ATOMICS))
