@@ -38,9 +38,10 @@ static enum stp_result check(const struct stp_env *env, const struct stp_context
         return log_error(env, STP_ERROR_ARGUMENT, "a shared scene is for stp_render_share only");
     if (plan->method == STP_METHOD_REFERENCE)
         return log_error(env, STP_ERROR_ARGUMENT, "method reference draws on no device");
-    if (plan->method == STP_METHOD_PYRAMID)
+    if (plan->method == STP_METHOD_PYRAMID || plan->method == STP_METHOD_AXIS)
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "method pyramid is not drawn into a host's frame; use exact or deferred");
+                         "method %s is not drawn into a host's frame; use exact or deferred",
+                         stp_method_name(plan->method));
     if (pass_host_most(params->color_format) == 0)
         return log_error(env, STP_ERROR_ARGUMENT, "VkFormat %d is no color format of a target",
                          params->color_format);

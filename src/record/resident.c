@@ -13,9 +13,10 @@ static enum stp_result check(const struct stp_env *env, const struct stp_context
         return log_error(env, STP_ERROR_ARGUMENT, "residents need an imported context");
     if (plan->method == STP_METHOD_REFERENCE)
         return log_error(env, STP_ERROR_ARGUMENT, "method reference draws on no device");
-    if (plan->method == STP_METHOD_PYRAMID)
+    if (plan->method == STP_METHOD_PYRAMID || plan->method == STP_METHOD_AXIS)
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "method pyramid is not drawn into a host's frame; use exact or deferred");
+                         "method %s is not drawn into a host's frame; use exact or deferred",
+                         stp_method_name(plan->method));
     if (!scene->prepared || scene->splats.count != plan->facts.splats)
         return log_error(env, STP_ERROR_ARGUMENT, "the plan was made for another scene");
     if (params->splats && params->splats_offset % 16)
