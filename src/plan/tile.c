@@ -119,6 +119,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
         compute_resources(plan);
     if (compute)
         clear_outputs(plan);
+    plan_limits(plan);
     plan->repeat_first = plan->pass_count;
     if (compute)
         reset_arguments(plan);
