@@ -37,15 +37,18 @@ layout(constant_id = 10) const bool HAS_UNKNOWN = false; // some normals are (0,
 layout(constant_id = 11) const bool HEAD_LIGHT = true;   // the default light alone
 layout(constant_id = 12) const bool LOCAL_VIEWER = false;
 layout(constant_id = 13) const bool BACKGROUND = false;
-layout(constant_id = 14) const uint AOVS = 0;            // bit 0 albedo and weight, bit 1 id and fragments
+layout(constant_id = 14) const uint AOVS = 0;            // bit 0 albedo and weight, 1 id and fragments, 2 layers
 layout(constant_id = 15) const uint SQUARINGS = 5;       // shininess = 2^SQUARINGS; 32: any
 layout(constant_id = 16) const bool REPAIR = false;      // two-pass code on overflowed pixels only
 layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside packed slots
 // 18 to 20 (64-bit atomics, gl_Layer from the vertex shader, doubles) choose modules, not code.
 layout(constant_id = 21) const uint SAMPLE_GRID = 1;     // the picture is the mean of SAMPLES
+layout(constant_id = 22) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
+layout(constant_id = 23) const bool MIXED = false;       // some splats are opaque, where others are not
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
-const uint ID_WORDS = SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS;
+// Layers, where they are counted, come last.
+const uint ID_WORDS = (SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS) + ((AOVS & 4) == 0 ? 0 : 1);
 
 layout(push_constant) uniform Push { uint push_first; uint push_sample; };

@@ -64,50 +64,81 @@ vec3 world_normal(vec3 n)
                 r[2] * n.x + r[5] * n.y + r[8] * n.z);
 }
 
-// One more sample that hit. Alpha holds the hits exactly: a wholly covered pixel ends at 1.
-vec4 sample_add(vec4 mean, vec3 color, out uint hits)
-{
-    hits = uint(mean.w * float(SAMPLES) + 0.5) + 1;
-    float alpha = hits == SAMPLES ? 1 : float(hits) / float(SAMPLES);
-    return vec4(mean.xyz + color / float(SAMPLES), alpha);
-}
+// What a surface looks like, and the rest of what it leaves in the picture.
+struct Look {
+    vec3 color; // shaded, as if opaque
+    vec3 normal;
+    float depth;
+    vec3 albedo;
+};
 
-// Writes the pixel at p (relative to the tile). hit false: nothing is there. With several samples
-// the picture starts cleared; colours add up, and the rest is that of the nearest sample.
-void surface_write(uvec2 p, bool hit, Surface s)
+Look surface_look(uvec2 p, bool hit, Surface s)
 {
-    if (SAMPLE_GRID > 1 && !hit)
-        return;
-    uint at = p.y * frame.tile_width + p.x;
+    Look look;
     bool vanished = !(s.weight >= 1e-6 && dot(s.normal, s.normal) >= 1e-12);
-    vec3 n = vanished ? s.near_normal : s.normal * inversesqrt(dot(s.normal, s.normal));
-    float depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
+    look.normal = vanished ? s.near_normal : s.normal * inversesqrt(dot(s.normal, s.normal));
+    look.depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
     MaterialData m = frame.materials.v[0];
     if (HAS_OBJECTS)
         m = frame.materials.v[hit ? floatBitsToUint(frame.splats.v[2 * s.id + 1].w) >> 8 : 0];
-    vec3 albedo = m.albedo;
+    look.albedo = m.albedo;
     if (HAS_COLOR)
-        albedo = vanished ? frame.colors.v[hit ? s.id : 0] : s.albedo / s.weight;
-    vec4 color = vec4(shade(m, albedo, n, pixel_position(p), depth), 1);
-    if (BACKGROUND && !hit)
+        look.albedo = vanished ? frame.colors.v[hit ? s.id : 0] : s.albedo / s.weight;
+    look.color = shade(m, look.albedo, look.normal, pixel_position(p), look.depth);
+    return look;
+}
+
+// One more sample that hit. Where all is opaque alpha holds the hits exactly: a wholly covered pixel
+// ends at 1.
+vec4 sample_add(vec4 mean, vec4 color, uint at, out uint hits)
+{
+    if (OPACITY != 0) {
+        uint before = (AOVS & 2) != 0 ? frame.out_id.v[ID_WORDS * at + 3] : 0;
+        hits = before == STP_NO_ID ? 1 : before + 1;
+        return mean + color / float(SAMPLES);
+    }
+    hits = uint(mean.w * float(SAMPLES) + 0.5) + 1;
+    float alpha = hits == SAMPLES ? 1 : float(hits) / float(SAMPLES);
+    return vec4(mean.xyz + color.xyz / float(SAMPLES), alpha);
+}
+
+// Writes the pixel at p (relative to the tile). color: premultiplied; the rest is that of the
+// nearest of its layers. hit false: nothing is there. With several samples the picture starts
+// cleared; colours add up, and the rest is that of the nearest sample.
+void picture_write(uvec2 p, bool hit, vec4 color, Look look, Surface s, uint layers)
+{
+    if (SAMPLE_GRID > 1 && !hit)
+        return;
+    uint at = p.y * frame.tile_width + p.x, hits = 1;
+    if (!hit)
+        color = vec4(0);
+    if (BACKGROUND && OPACITY == 0 && !hit)
         color = vec4(frame.background[0], frame.background[1], frame.background[2],
                      frame.background[3]);
-    uint hits = 1;
     if (SAMPLE_GRID > 1)
-        color = sample_add(frame.out_color.v[at], color.xyz, hits);
-    frame.out_color.v[at] = hit || BACKGROUND ? color : vec4(0);
+        color = sample_add(frame.out_color.v[at], color, at, hits);
+    frame.out_color.v[at] = color;
     if (SAMPLE_GRID > 1 && (AOVS & 2) != 0)
         frame.out_id.v[ID_WORDS * at + 3] = hits;
-    if (SAMPLE_GRID > 1 && depth >= frame.out_depth.v[at])
+    if (SAMPLE_GRID > 1 && look.depth >= frame.out_depth.v[at])
         return;
-    frame.out_normal.v[at] = hit ? world_normal(n) : vec3(0);
-    frame.out_depth.v[at] = hit ? depth : 1.0 / 0.0;
+    frame.out_normal.v[at] = hit ? world_normal(look.normal) : vec3(0);
+    frame.out_depth.v[at] = hit ? look.depth : 1.0 / 0.0;
     if ((AOVS & 1) != 0)
-        frame.out_albedo.v[at] = hit ? vec4(albedo, s.weight) : vec4(0);
+        frame.out_albedo.v[at] = hit ? vec4(look.albedo, s.weight) : vec4(0);
     if ((AOVS & 2) != 0) {
         frame.out_id.v[ID_WORDS * at] = hit ? s.id : STP_NO_ID;
         frame.out_id.v[ID_WORDS * at + 1] = hit ? s.fragments : 0;
         if (SAMPLE_GRID > 1)
             frame.out_id.v[ID_WORDS * at + 2] = push_sample;
+        if ((AOVS & 4) != 0)
+            frame.out_id.v[ID_WORDS * at + ID_WORDS - 1] = hit ? layers : 0;
     }
+}
+
+// An opaque pixel.
+void surface_write(uvec2 p, bool hit, Surface s)
+{
+    Look look = surface_look(p, hit, s);
+    picture_write(p, hit, vec4(look.color, 1), look, s, 1);
 }

@@ -18,7 +18,7 @@ struct Place {
 struct Splat {
     vec3 center, normal;
     float radius;
-    uint tag;  // group | object << 8
+    uint tag;  // STP_TAG_*, object << 8
     Place place;
 };
 
@@ -40,7 +40,7 @@ struct Fragment {
 
 uint splat_group(Splat s)
 {
-    return s.tag & 255u;
+    return s.tag & STP_TAG_GROUP;
 }
 
 vec2 place_position(Place p)
@@ -91,7 +91,7 @@ void splat_place(vec3 a, inout Splat s)
     s.place = Place(ivec2(whole), vec2(part));
 }
 
-// False: culled.
+// False: culled, or invisible.
 bool splat_load(uint id, out Splat s)
 {
     vec4 a = frame.splats.v[2 * id], b = frame.splats.v[2 * id + 1];
@@ -108,7 +108,8 @@ bool splat_load(uint id, out Splat s)
     PRECISE float away = ORTHOGRAPHIC ? s.normal.z : dot(s.normal, s.center);
     if (TWO_SIDED && away > 0)
         s.normal = -s.normal;
-    return !CULL_BACK || away < 0;
+    bool invisible = OPACITY != 0 && (s.tag & STP_TAG_INVISIBLE) != 0;
+    return !invisible && (!CULL_BACK || away < 0);
 }
 
 vec2 splat_direction(Splat s)
@@ -325,6 +326,12 @@ bool splat_small(Splat s, out bool floored, out ivec4 box)
     Footprint f = footprint_make(s, floored);
     box = footprint_pixels(s, f, floored);
     return bounds_small(s, floored, box);
+}
+
+// In a scene that is transparent somewhere.
+float splat_opacity(uint id)
+{
+    return OPACITY == 2 ? frame.opacities.v[id] : frame.opacity;
 }
 
 // The epsilon of the object that splat `id` belongs to.

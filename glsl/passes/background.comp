@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The background where nothing is; with samples behind what does not cover the whole pixel.
+// The background where nothing is; behind what does not cover the whole pixel, or lets light through.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #define ALL_BLOCKS
@@ -15,7 +15,7 @@ void main()
     uint at = p.y * frame.tile_width + p.x;
     vec4 background = vec4(frame.background[0], frame.background[1], frame.background[2],
                            frame.background[3]);
-    if (SAMPLE_GRID > 1)
+    if (SAMPLE_GRID > 1 || OPACITY != 0)
         frame.out_color.v[at] += (1 - frame.out_color.v[at].w) * background;
     else if (isinf(frame.out_depth.v[at]))
         frame.out_color.v[at] = background;

@@ -18,9 +18,11 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
     if (slot >= STP_SLOTS)
         return;
     uint at = slot_index(pixel, slot);
-    frame.keys.v[at] = PACKED ? key_packed(f, encoded) : key_id(f, id);
+    // STP_TAG_OPAQUE to SLOT_OPAQUE.
+    uint word = MIXED ? id | (s.tag & STP_TAG_OPAQUE) << 24 : id;
+    frame.keys.v[at] = PACKED ? key_packed(f, encoded) : key_id(f, word);
     if (KEY_IDS)
-        frame.key_ids.v[at] = id;
+        frame.key_ids.v[at] = word;
 }
 
 #include "lib/rasterize.glsl"

@@ -33,7 +33,11 @@
 #define STP_SUM_WORDS    10    /* 64-bit words of a pixel's fixed-point sums */
 #define STP_LIGHTS       8
 #define STP_NO_ID        0xffffffffu
-#define STP_ID_WORDS     4     /* of out_id a pixel, with several samples; else 2 */
+#define STP_ID_WORDS     4     /* of out_id a pixel, with several samples; else 2; layers apart */
+/* Of a splat's tag: group, flags, object. */
+#define STP_TAG_GROUP     63u
+#define STP_TAG_INVISIBLE 64u  /* opacity 0: it has no fragments */
+#define STP_TAG_OPAQUE    128u /* opacity 1, in a scene that is transparent elsewhere */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
 #define STP_SUMS_NONE    0x7f8000007ffffffful
@@ -64,8 +68,9 @@ struct stp_material_gpu {
 };
 
 struct stp_frame_constants {
-    STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz group|object<<8 */
+    STP_ADDRESS(Vec4Ref, splats);        /* 2 per splat: x y z radius; nx ny nz tag (STP_TAG_*, object << 8) */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
+    STP_ADDRESS(FloatRef, opacities);    /* where they are not one for all */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group */
     STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
@@ -79,7 +84,7 @@ struct stp_frame_constants {
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
     STP_ADDRESS(Vec4Ref, out_albedo); /* rgb, sum of weights */
-    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; then the nearest sample, hits */
+    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; nearest sample, hits; layers */
     STP_DOUBLE rotation64[9]; /* WITH_FLOAT64: centres are projected in double */
     STP_DOUBLE translation64[3];
     STP_DOUBLE focal64[2];
@@ -91,6 +96,7 @@ struct stp_frame_constants {
     float center[2];
     float near_depth, far_depth;
     float epsilon;     /* the least of the objects' */
+    float opacity;     /* of every splat, where it is one for all */
     float floor_size;  /* least diameter, pixels */
     float depth_low;   /* depth of quantised 0 */
     float depth_scale; /* quantised steps a scene unit */

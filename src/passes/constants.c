@@ -7,6 +7,7 @@
     _Static_assert(offsetof(struct stp_frame_constants, member) == 8 * (slot), #member)
 SLOT_OFFSET(splats, PLAN_SPLATS);
 SLOT_OFFSET(colors, PLAN_COLORS);
+SLOT_OFFSET(opacities, PLAN_OPACITIES);
 SLOT_OFFSET(materials, PLAN_MATERIALS);
 SLOT_OFFSET(order, PLAN_ORDER);
 SLOT_OFFSET(work, PLAN_WORK);
@@ -22,8 +23,8 @@ SLOT_OFFSET(out_depth, PLAN_OUT_DEPTH);
 SLOT_OFFSET(out_albedo, PLAN_OUT_ALBEDO);
 SLOT_OFFSET(out_id, PLAN_OUT_ID);
 /* Scalar layout: nothing is padded before the lights. */
-_Static_assert(offsetof(struct stp_frame_constants, rotation64) == 128 &&
-                   offsetof(struct stp_frame_constants, rotation) == 256,
+_Static_assert(offsetof(struct stp_frame_constants, rotation64) == 8 * PLAN_BUFFER_SLOTS &&
+                   offsetof(struct stp_frame_constants, rotation) == 8 * PLAN_BUFFER_SLOTS + 128,
                "rotation");
 _Static_assert(offsetof(struct stp_frame_constants, lights) ==
                    offsetof(struct stp_frame_constants, raster_slab) + 4,

@@ -30,8 +30,10 @@ static enum stp_transparency resolve_transparency(const struct stp_facts *facts,
         return STP_TRANSPARENCY_FAST;
     case STP_METHOD_TWO_PASS:
         return STP_TRANSPARENCY_PEEL;
-    default:
+    case STP_METHOD_REFERENCE:
         return STP_TRANSPARENCY_REFERENCE;
+    default:
+        return STP_TRANSPARENCY_EXACT;
     }
 }
 
@@ -59,7 +61,8 @@ static enum stp_result choose_transparency(const struct stp_env *env, struct stp
                          "method %s does not draw transparency %s, method %s does: ask for one of "
                          "the two only",
                          stp_method_name(p->method), name, stp_method_name(plan->method));
-    if (plan->transparency != STP_TRANSPARENCY_REFERENCE)
+    if (plan->transparency != STP_TRANSPARENCY_REFERENCE &&
+        plan->transparency != STP_TRANSPARENCY_EXACT)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the scene is transparent, and this version has no transparency %s on a "
                          "device: ask for reference",
@@ -136,8 +139,8 @@ static enum stp_result choose_voronoi(const struct stp_env *env, struct stp_plan
 /* Packed keys need a depth range that 24 bits hold, and, deferred, nothing that asks for ids. */
 static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
 {
-    bool wants_ids =
-        plan->facts.has_color || plan->facts.objects > 1 || (plan->params.aovs & STP_AOV_ID) != 0;
+    bool wants_ids = plan->facts.has_color || plan->constant[PLAN_OPACITY] == 2 ||
+                     plan->facts.objects > 1 || (plan->params.aovs & STP_AOV_ID) != 0;
     bool fits = plan->frame.depth_bits >= LEAST_DEPTH_BITS;
     bool packable =
         fits && plan->voronoi != STP_VORONOI_EXACT &&

@@ -53,6 +53,10 @@ void plan_exact(struct stp_plan *plan)
     plan_splat(plan, "slots", PLAN_SHADER_EXACT_SLOTS, PLAN_SHADER_EXACT_SLOTS_LARGE, false,
                touched);
     plan_blocks(plan);
+    if (plan->transparency == STP_TRANSPARENCY_EXACT) {
+        plan_resolve(plan, "layers", PLAN_SHADER_EXACT_LAYERS, false, touched);
+        return;
+    }
     plan_resolve(plan, "resolve", PLAN_SHADER_EXACT_RESOLVE, false, touched);
     repair(plan);
 }

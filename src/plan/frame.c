@@ -140,9 +140,15 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     unsigned ids = STP_AOV_ID | STP_AOV_FRAGMENTS;
     if (c[PLAN_SAMPLE_GRID] > 1)
         ids |= STP_AOV_POSITION | STP_AOV_COVERAGE;
-    c[PLAN_AOVS] = ((p->aovs & (STP_AOV_ALBEDO | STP_AOV_WEIGHT)) != 0 ? 1u : 0u) |
-                   ((p->aovs & ids) != 0 ? 2u : 0u);
+    c[PLAN_AOVS] = ((p->aovs & (STP_AOV_ALBEDO | STP_AOV_WEIGHT)) != 0 ? PLAN_AOVS_ALBEDO : 0u) |
+                   ((p->aovs & ids) != 0 ? PLAN_AOVS_ID : 0u);
+    if (plan->facts.transparent && (p->aovs & STP_AOV_LAYERS))
+        c[PLAN_AOVS] |= PLAN_AOVS_ID | PLAN_AOVS_LAYERS;
     c[PLAN_SQUARINGS] = squarings(scene);
+    bool one = plan->facts.uniform_opacity && plan->facts.objects == 1;
+    c[PLAN_OPACITY] = !plan->facts.transparent ? 0 : one ? 1 : 2;
+    c[PLAN_MIXED] = plan->facts.mixed;
+    plan->frame.opacity = plan->facts.opacity_min;
 }
 
 /* The least of the objects': slabs, and steps of depth, must not be wider than any epsilon. */

@@ -36,13 +36,21 @@ enum plan_constant {
     PLAN_LAYERED,
     PLAN_FLOAT64,
     PLAN_SAMPLE_GRID,
+    PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
+    PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_CONSTANTS
 };
+
+/* Bits of PLAN_AOVS: albedo and weight; id, fragments and what goes with them; layers too. */
+#define PLAN_AOVS_ALBEDO 1u
+#define PLAN_AOVS_ID     2u
+#define PLAN_AOVS_LAYERS 4u
 
 /* What a buffer or image is for: a resource's address goes into the frame block by this. */
 enum plan_slot {
     PLAN_SPLATS,
     PLAN_COLORS,
+    PLAN_OPACITIES,
     PLAN_MATERIALS,
     PLAN_ORDER,
     PLAN_WORK,
@@ -92,6 +100,7 @@ enum plan_shader {
     PLAN_SHADER_EXACT_SLOTS,
     PLAN_SHADER_EXACT_SLOTS_LARGE,
     PLAN_SHADER_EXACT_RESOLVE,
+    PLAN_SHADER_EXACT_LAYERS,
     PLAN_SHADER_EXACT_ARM,
     PLAN_SHADER_EXACT_CLEAR,
     PLAN_SHADER_EXACT_COLLECT,
@@ -231,6 +240,9 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
 
 /* plan/tile.c: cuts the picture until a tile's transients fit; appends steps for the tile size. */
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
+
+/* Words of out_id a pixel: see STP_ID_WORDS; one more, the last, where layers are counted. */
+uint32_t plan_id_words(const struct stp_plan *plan);
 
 /* How many samples a pixel has: the square of PLAN_SAMPLE_GRID. */
 uint32_t plan_samples(const struct stp_plan *plan);

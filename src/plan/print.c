@@ -12,7 +12,7 @@ static const char *const constant_names[PLAN_CONSTANTS] = {
     "groups",       "voronoi",      "packed",  "gauss",       "two_sided",       "cull_back",
     "floor",        "orthographic", "color",   "objects",     "unknown_normals", "head_light",
     "local_viewer", "background",   "aovs",    "squarings",   "repair",          "slot_ids",
-    "atomic64",     "layered",      "float64", "sample_grid",
+    "atomic64",     "layered",      "float64", "sample_grid", "opacity",         "mixed",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)

@@ -100,6 +100,12 @@ uint32_t plan_samples(const struct stp_plan *plan)
     return plan->constant[PLAN_SAMPLE_GRID] * plan->constant[PLAN_SAMPLE_GRID];
 }
 
+uint32_t plan_id_words(const struct stp_plan *plan)
+{
+    return (plan_samples(plan) > 1 ? STP_ID_WORDS : 2) +
+           ((plan->constant[PLAN_AOVS] & PLAN_AOVS_LAYERS) != 0);
+}
+
 uint64_t plan_pixels(const struct stp_plan *plan)
 {
     return (uint64_t)blocks(plan->tile_width) * blocks(plan->tile_height) * STP_BLOCK * STP_BLOCK;
@@ -120,6 +126,7 @@ static void splat_reads(const struct stp_plan *plan, struct plan_pass *pass)
 {
     plan_reads(plan, pass, PLAN_SPLATS);
     plan_reads(plan, pass, PLAN_COLORS);
+    plan_reads(plan, pass, PLAN_OPACITIES);
     plan_reads(plan, pass, PLAN_MATERIALS);
 }
 

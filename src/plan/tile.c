@@ -31,11 +31,10 @@ static void outputs(struct stp_plan *plan)
     plan_resource(plan, "color", PLAN_OUT_COLOR, PLAN_OUTPUT, pixels * 16);
     plan_resource(plan, "normal", PLAN_OUT_NORMAL, PLAN_OUTPUT, pixels * 12);
     plan_resource(plan, "depth", PLAN_OUT_DEPTH, PLAN_OUTPUT, pixels * 4);
-    if (plan->constant[PLAN_AOVS] & 1)
+    if (plan->constant[PLAN_AOVS] & PLAN_AOVS_ALBEDO)
         plan_resource(plan, "albedo", PLAN_OUT_ALBEDO, PLAN_OUTPUT, pixels * 16);
-    if (plan->constant[PLAN_AOVS] & 2)
-        plan_resource(plan, "id", PLAN_OUT_ID, PLAN_OUTPUT,
-                      pixels * 4 * (plan_samples(plan) > 1 ? STP_ID_WORDS : 2));
+    if (plan->constant[PLAN_AOVS] & PLAN_AOVS_ID)
+        plan_resource(plan, "id", PLAN_OUT_ID, PLAN_OUTPUT, pixels * 4 * plan_id_words(plan));
 }
 
 static void scene_resources(struct stp_plan *plan)
@@ -44,6 +43,8 @@ static void scene_resources(struct stp_plan *plan)
     plan_resource(plan, "splats", PLAN_SPLATS, PLAN_SCENE, n * 32);
     if (plan->facts.has_color)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
+    if (plan->constant[PLAN_OPACITY] == 2)
+        plan_resource(plan, "opacities", PLAN_OPACITIES, PLAN_SCENE, n * 4);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
 }

@@ -152,7 +152,7 @@ static void copy_pixel(const struct copying *c, size_t from, size_t at, uint32_t
     if (c->coverage)
         c->coverage[at] = hit && many ? (float)((double)id[3] / plan_samples(c->plan)) : hit;
     if (c->layers)
-        c->layers[at] = hit;
+        c->layers[at] = hit && c->plan->facts.transparent ? (float)id[c->id_words - 1] : hit;
     if (c->ids)
         c->ids[at] = hit ? c->scene->splats.input[id[0]] : STP_NO_ID;
 }
@@ -187,7 +187,7 @@ enum stp_result record_read_back(const struct stp_env *env, struct record_frame 
                          .albedo = output(frame, PLAN_OUT_ALBEDO),
                          .id = output(frame, PLAN_OUT_ID),
                          .grid = frame->plan->constant[PLAN_SAMPLE_GRID] };
-    c.id_words = c.grid > 1 ? STP_ID_WORDS : 2;
+    c.id_words = plan_id_words(frame->plan);
     enum stp_result result = invalidate(env, frame);
     if (result != STP_OK)
         return result;

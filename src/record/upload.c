@@ -26,6 +26,8 @@ static void pack(void *context, size_t begin, size_t end, unsigned worker)
         out[3] = s->radius[i];
         uint32_t tag =
             (s->group ? s->group[i] : 0u) | (s->object ? (uint32_t)s->object[i] << 8 : 0u);
+        if (s->opacity)
+            tag |= s->opacity[i] == 0 ? STP_TAG_INVISIBLE : s->opacity[i] == 1 ? STP_TAG_OPAQUE : 0;
         memcpy(&out[7], &tag, 4);
     }
 }
@@ -102,6 +104,10 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
         case PLAN_COLORS:
             result = gpu_upload(env, frame->context, buffer, scene->splats.color,
                                 scene->splats.count * 12);
+            break;
+        case PLAN_OPACITIES:
+            result = gpu_upload(env, frame->context, buffer, scene->splats.opacity,
+                                scene->splats.count * 4);
             break;
         case PLAN_MATERIALS:
             result = upload_materials(env, frame, scene, buffer);
