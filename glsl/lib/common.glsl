@@ -51,4 +51,5 @@ const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 // Layers, where they are counted, come last.
 const uint ID_WORDS = (SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS) + ((AOVS & 4) == 0 ? 0 : 1);
 
-layout(push_constant) uniform Push { uint push_first; uint push_sample; };
+// push_layer and push_scale: of a draw, the layer that it renders to, and a factor of radii.
+layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_layer; float push_scale; };

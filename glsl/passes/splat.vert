@@ -9,6 +9,12 @@
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
 #include "lib/varying.glsl"
+#ifdef BLENDED
+#define GRAPHICS
+#include "lib/pixel.glsl"
+#include "lib/shade.glsl"
+#include "lib/transparent.glsl"
+#endif
 
 const float WIDE = 2.1; // an equilateral triangle of inradius 1 reaches 2
 
@@ -47,6 +53,12 @@ void main()
 #endif
     Splat s;
     bool floored, seen = splat_load(id, s);
+#ifdef BLENDED
+    s.radius *= push_scale;
+    vec3 albedo = splat_albedo(id);
+    vary_color = vec4(SHADED_ONCE ? shade(splat_material(id), albedo, s.normal, vec2(0), 0) : albedo,
+                      splat_opacity(id));
+#endif
     Footprint f = footprint_make(s, floored);
     vec2 turn = vec2(corner == 0 ? 1.0 : -0.5, corner == 0 ? 0 : corner == 1 ? 0.8660254 : -0.8660254);
     gl_Position = floored ? ellipse_vertex(f, turn) : disc_vertex(s, turn);

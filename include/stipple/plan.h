@@ -112,6 +112,11 @@ STP_API bool stp_plan_needs_groups(const struct stp_facts *facts,
                                    const struct stp_render_params *params,
                                    const struct stp_limits *limits);
 
+/* The same of stp_scene_cover. */
+STP_API bool stp_plan_needs_cover(const struct stp_facts *facts,
+                                  const struct stp_render_params *params,
+                                  const struct stp_limits *limits);
+
 struct stp_plan_summary {
     enum stp_method method;             /* never AUTO */
     enum stp_transparency transparency; /* AUTO: nothing is transparent */

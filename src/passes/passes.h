@@ -17,6 +17,13 @@ struct pass_resources {
     VkDescriptorSet set;
 };
 
+/* Push constants (glsl/lib/common.glsl): offsets, and the size of all. The sample's is set by the
+ * walk, the others by a draw. */
+#define PASS_PUSH_FIRST  0
+#define PASS_PUSH_SAMPLE 4
+#define PASS_PUSH_DRAW   8
+#define PASS_PUSH_BYTES  16
+
 struct pass_words {
     const uint32_t *words;
     size_t bytes;

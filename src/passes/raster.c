@@ -75,21 +75,23 @@ static VkResult create_pipeline(struct stp_context *context, const struct plan_p
                                 const VkPipelineShaderStageCreateInfo *stages,
                                 VkPipelineLayout layout, VkPipeline *pipeline)
 {
-    bool blend = pass->raster == PLAN_RASTER_BLEND;
+    bool tested = pass->raster != PLAN_RASTER_BLEND, over = pass->raster == PLAN_RASTER_OVER;
     VkPipelineDepthStencilStateCreateInfo depth = {
         .sType = VK_STRUCTURE_TYPE_PIPELINE_DEPTH_STENCIL_STATE_CREATE_INFO,
-        .depthTestEnable = !blend,
-        .depthWriteEnable = !blend,
+        .depthTestEnable = tested,
+        .depthWriteEnable = tested,
         .depthCompareOp = VK_COMPARE_OP_GREATER
     };
+    VkBlendFactor behind = over ? VK_BLEND_FACTOR_ONE_MINUS_SRC_ALPHA : VK_BLEND_FACTOR_ONE;
     VkPipelineColorBlendAttachmentState attachments[MOST_COLORS];
-    for (int i = 0; i < MOST_COLORS; i++)
+    for (uint32_t i = 0; i < rendering->colorAttachmentCount; i++)
         attachments[i] = (VkPipelineColorBlendAttachmentState){
-            .blendEnable = blend,
+            .blendEnable = pass->raster != PLAN_RASTER_WINNER &&
+                           rendering->pColorAttachmentFormats[i] != VK_FORMAT_R32G32_UINT,
             .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
-            .dstColorBlendFactor = VK_BLEND_FACTOR_ONE,
+            .dstColorBlendFactor = behind,
             .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
-            .dstAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
+            .dstAlphaBlendFactor = behind,
             .colorWriteMask = 0xf,
         };
     VkPipelineColorBlendStateCreateInfo colors = {
@@ -175,6 +177,21 @@ static VkRenderingAttachmentInfo attachment(const struct stp_plan *plan,
                                         .clearValue = clear };
 }
 
+static void push_draw(struct stp_context *context, VkCommandBuffer commands,
+                      const struct plan_pass *pass, const struct pass_resources *resources)
+{
+    const VkShaderStageFlags stages =
+        VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT;
+    struct {
+        uint32_t layer;
+        float scale;
+    } draw = { pass->layer, pass->scale > 0 ? pass->scale : 1 };
+    context->vk.vkCmdPushConstants(commands, resources->layout, stages, PASS_PUSH_FIRST,
+                                   sizeof pass->first_splat, &pass->first_splat);
+    context->vk.vkCmdPushConstants(commands, resources->layout, stages, PASS_PUSH_DRAW, sizeof draw,
+                                   &draw);
+}
+
 void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                         const struct stp_plan *plan, const struct plan_pass *pass,
                         const struct plan_tile *tile, const struct pass_resources *resources,
@@ -198,10 +215,7 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                             .maxDepth = 1 };
     context->vk.vkCmdBeginRendering(commands, &rendering);
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
-    context->vk.vkCmdPushConstants(commands, resources->layout,
-                                   VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
-                                       VK_SHADER_STAGE_FRAGMENT_BIT,
-                                   0, sizeof pass->first_splat, &pass->first_splat);
+    push_draw(context, commands, pass, resources);
     context->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
     context->vk.vkCmdSetScissor(commands, 0, 1, &area);
     if (pass->splat_count)

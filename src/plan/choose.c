@@ -61,11 +61,19 @@ static enum stp_result choose_transparency(const struct stp_env *env, struct stp
                          "method %s does not draw transparency %s, method %s does: ask for one of "
                          "the two only",
                          stp_method_name(p->method), name, stp_method_name(plan->method));
-    if (plan->transparency != STP_TRANSPARENCY_REFERENCE &&
-        plan->transparency != STP_TRANSPARENCY_EXACT)
+    bool raster = plan->transparency == STP_TRANSPARENCY_FAST ||
+                  plan->transparency == STP_TRANSPARENCY_NEAREST ||
+                  plan->transparency == STP_TRANSPARENCY_PEEL;
+    if (raster && (p->path == STP_PATH_COMPUTE || plan_samples(plan) > 1))
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "the scene is transparent, and this version has no transparency %s on a "
-                         "device: ask for reference",
+                         "transparency %s is drawn by the rasteriser, with one sample a pixel; "
+                         "transparency exact has a compute path and samples",
+                         name);
+    bool counts = plan->transparency != STP_TRANSPARENCY_FAST &&
+                  plan->transparency != STP_TRANSPARENCY_NEAREST;
+    if (!counts && (p->aovs & STP_AOV_LAYERS))
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "transparency %s does not count layers; --aov layers takes exact or peel",
                          name);
     return STP_OK;
 }
@@ -73,7 +81,15 @@ static enum stp_result choose_transparency(const struct stp_env *env, struct stp
 bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
                            const struct stp_limits *limits)
 {
-    return !facts->volume.dims[0] && resolve_method(facts, params) == STP_METHOD_DEFERRED;
+    return !facts->volume.dims[0] && !facts->transparent &&
+           resolve_method(facts, params) == STP_METHOD_DEFERRED;
+}
+
+bool stp_plan_needs_cover(const struct stp_facts *facts, const struct stp_render_params *params,
+                          const struct stp_limits *limits)
+{
+    enum stp_transparency t = resolve_transparency(facts, params);
+    return t == STP_TRANSPARENCY_FAST || t == STP_TRANSPARENCY_NEAREST;
 }
 
 static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *plan)
@@ -89,7 +105,10 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
                          "compute",
                          samples);
     if (path == STP_PATH_AUTO) {
-        bool raster = plan->method == STP_METHOD_DEFERRED && !atomics && formats && samples == 1;
+        bool layers = plan->transparency != STP_TRANSPARENCY_AUTO &&
+                      plan->transparency != STP_TRANSPARENCY_EXACT;
+        bool raster =
+            layers || (plan->method == STP_METHOD_DEFERRED && !atomics && formats && samples == 1);
         path = raster ? STP_PATH_RASTER : STP_PATH_COMPUTE;
     }
     if (path == STP_PATH_RASTER && plan->method == STP_METHOD_EXACT)
@@ -105,10 +124,11 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
                          "device lacks; use %s--method exact",
                          samples > 1 ? ", which several samples take," : "",
                          samples > 1 || !formats ? "" : "--path raster or ");
-    if (path == STP_PATH_RASTER && plan->method == STP_METHOD_TWO_PASS &&
+    if (path == STP_PATH_RASTER &&
+        (plan->method == STP_METHOD_TWO_PASS || plan->transparency != STP_TRANSPARENCY_AUTO) &&
         !(features & STP_FEATURE_FLOAT32_BLEND))
         return log_error(env, STP_ERROR_FEATURE,
-                         "two-pass --path raster needs blending into float32 images, which the "
+                         "--path raster needs blending into float32 images, which the "
                          "device lacks; use --path compute");
     plan->path = path;
     return STP_OK;
@@ -142,9 +162,10 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
     bool wants_ids = plan->facts.has_color || plan->constant[PLAN_OPACITY] == 2 ||
                      plan->facts.objects > 1 || (plan->params.aovs & STP_AOV_ID) != 0;
     bool fits = plan->frame.depth_bits >= LEAST_DEPTH_BITS;
-    bool packable =
-        fits && plan->voronoi != STP_VORONOI_EXACT &&
-        (plan->method == STP_METHOD_EXACT || (plan->method == STP_METHOD_DEFERRED && !wants_ids));
+    bool opaque = plan->transparency == STP_TRANSPARENCY_AUTO;
+    bool packable = fits && plan->voronoi != STP_VORONOI_EXACT &&
+                    (plan->method == STP_METHOD_EXACT ||
+                     (plan->method == STP_METHOD_DEFERRED && opaque && !wants_ids));
     bool packed = packable && plan->params.payload != STP_PAYLOAD_ID;
     plan->payload = packed ? STP_PAYLOAD_PACKED : STP_PAYLOAD_ID;
     if (!packed && plan->voronoi == STP_VORONOI_SLAB && range_over_epsilon > MOST_SLABS)
@@ -153,8 +174,35 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
     plan->constant[PLAN_KEY_IDS] = packed && plan->method == STP_METHOD_EXACT && wants_ids;
 }
 
+/* The approximations of a transparent scene, and the baseline. */
+static void explain_layers(struct stp_plan *plan)
+{
+    const struct stp_cover *cover = &plan->facts.cover;
+    const char *name = stp_transparency_name(plan->transparency);
+    if (plan->transparency == STP_TRANSPARENCY_PEEL) {
+        snprintf(plan->why, sizeof plan->why,
+                 "%s: the %u nearest layers, two geometry passes by the rasteriser for each.", name,
+                 plan_repeats(plan));
+        return;
+    }
+    double least = 1;
+    for (unsigned k = 0; k < cover->groups; k++)
+        least = fmin(least, cover->coverage[k]);
+    snprintf(plan->why, sizeof plan->why,
+             "%s: %u groups that each cover %.1f %% of the surface or more, %.0f %% duplicates, "
+             "blended back to front by the rasteriser%s.",
+             name, cover->groups, 100 * least, 100 * cover->duplicates,
+             plan->transparency == STP_TRANSPARENCY_NEAREST ? ", the nearest layer apart" : "");
+}
+
 static void explain(struct stp_plan *plan)
 {
+    if (plan->transparency == STP_TRANSPARENCY_FAST ||
+        plan->transparency == STP_TRANSPARENCY_NEAREST ||
+        plan->transparency == STP_TRANSPARENCY_PEEL) {
+        explain_layers(plan);
+        return;
+    }
     const char *method = stp_method_name(plan->method);
     const char *asked = plan->params.method == STP_METHOD_AUTO ? "chosen" : "asked for";
     char *why = plan->why;
@@ -204,7 +252,13 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "method %s draws surfaces; a volume takes --method reference",
                          stp_method_name(plan->method));
-    if (plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
+    bool cover = plan->transparency == STP_TRANSPARENCY_FAST ||
+                 plan->transparency == STP_TRANSPARENCY_NEAREST;
+    if (cover && plan->facts.cover.groups == 0)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "transparency %s needs stp_scene_cover before its plan",
+                         stp_transparency_name(plan->transparency));
+    if (!cover && plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the deferred method needs stp_scene_group before its plan");
     result = choose_path(env, plan);
@@ -214,17 +268,19 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         return result;
     choose_payload(plan, (double)16777216.0 * ldexp(1, -(int)plan->frame.depth_bits));
     uint32_t *c = plan->constant;
-    c[PLAN_GROUPS] = plan->method == STP_METHOD_DEFERRED ? plan->facts.grouping.groups : 1;
+    c[PLAN_GROUPS] = cover                                 ? plan->facts.cover.groups
+                     : plan->method == STP_METHOD_DEFERRED ? plan->facts.grouping.groups
+                                                           : 1;
     c[PLAN_VORONOI] = plan->voronoi == STP_VORONOI_SLAB    ? 1
                       : plan->voronoi == STP_VORONOI_EXACT ? 2
                                                            : 0;
     c[PLAN_ATOMIC64] = (plan->limits.features & STP_FEATURE_INT64_ATOMICS) != 0;
     c[PLAN_FLOAT64] = (plan->limits.features & STP_FEATURE_FLOAT64) != 0;
     /* Measured: on a CPU device a pass a layer beats one layered pass (docs/results/speed.md). */
-    c[PLAN_LAYERED] = plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED &&
-                      (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 &&
-                      plan->limits.processor == 2 &&
-                      plan->facts.grouping.groups <= plan->limits.max_image_layers;
+    c[PLAN_LAYERED] =
+        !cover && plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED &&
+        (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 && plan->limits.processor == 2 &&
+        plan->facts.grouping.groups <= plan->limits.max_image_layers;
     explain(plan);
     return STP_OK;
 }

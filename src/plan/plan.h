@@ -132,6 +132,16 @@ enum plan_shader {
     PLAN_SHADER_DEFERRED_FRAGMENT_PACKED,
     PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT,
     PLAN_SHADER_TWOPASS_SUM_FRAGMENT,
+    PLAN_SHADER_PEEL_DEPTH_FRAGMENT,
+    PLAN_SHADER_PEEL_SUM_FRAGMENT,
+    PLAN_SHADER_PEEL_RESOLVE,
+    PLAN_SHADER_PEEL_RESOLVE_COLOR,
+    PLAN_SHADER_TRANSPARENT_VERTEX,
+    PLAN_SHADER_TRANSPARENT_BLEND_FRAGMENT,
+    PLAN_SHADER_TRANSPARENT_OTHERS_FRAGMENT,
+    PLAN_SHADER_TRANSPARENT_MASK,
+    PLAN_SHADER_TRANSPARENT_COMPOSITE,
+    PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST,
     PLAN_SHADERS
 };
 
@@ -157,6 +167,7 @@ struct plan_access {
 enum plan_raster {
     PLAN_RASTER_WINNER, /* depth test and write, ids out */
     PLAN_RASTER_BLEND,  /* additive, no depth */
+    PLAN_RASTER_OVER,   /* depth test and write; premultiplied over, ids replaced */
 };
 
 struct plan_pass {
@@ -171,6 +182,7 @@ struct plan_pass {
     bool repair;                       /* specialised with PLAN_REPAIR on */
     uint32_t layer, layer_count;       /* DRAW: of the attachments */
     uint32_t first_splat, splat_count; /* DRAW */
+    float scale;                       /* DRAW: of radii; 0: 1 */
     uint8_t access_count;
     struct plan_access access[PLAN_MAX_ACCESSES];
 };
@@ -203,6 +215,7 @@ struct stp_plan {
     uint32_t tile_width, tile_height; /* the largest */
     struct plan_tile *tile;
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
+    uint32_t cover_first[STP_MAX_GROUPS + 1]; /* fast, nearest: members of a group there */
 };
 
 /* plan/choose.c: method, path, payload, voronoi and why. */
@@ -234,6 +247,10 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
 void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
+void plan_transparent(struct stp_plan *plan);
+/* Resources and passes before those that are repeated for every layer; then these. */
+void plan_peel_begin(struct stp_plan *plan);
+void plan_peel(struct stp_plan *plan);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
@@ -244,6 +261,8 @@ enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
 /* Words of out_id a pixel: see STP_ID_WORDS; one more, the last, where layers are counted. */
 uint32_t plan_id_words(const struct stp_plan *plan);
 
+/* How often the repeated passes run: once a sample, or once a layer that is peeled. */
+uint32_t plan_repeats(const struct stp_plan *plan);
 /* How many samples a pixel has: the square of PLAN_SAMPLE_GRID. */
 uint32_t plan_samples(const struct stp_plan *plan);
 

@@ -60,7 +60,7 @@ static VkResult make_layouts(struct record_frame *frame, uint32_t images, const 
         c->vk.vkCreateDescriptorSetLayout(c->device, &set, NULL, &frame->resources.set_layout);
     if (result != VK_SUCCESS)
         return result;
-    VkPushConstantRange push = { stages, 0, RECORD_PUSH_SAMPLE + 4 };
+    VkPushConstantRange push = { stages, 0, PASS_PUSH_BYTES };
     VkPipelineLayoutCreateInfo layout = { .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                           .setLayoutCount = 1,
                                           .pSetLayouts = &frame->resources.set_layout,

@@ -25,6 +25,13 @@ void record_frame_destroy(struct record_frame *frame);
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
                               const struct stp_scene *scene);
 
+/* order.c: puts the splats of a plan that blends in order for its camera; nothing for others.
+ * Once a frame, before it is recorded. The other: what of that buffer no frame changes. */
+enum stp_result record_order(const struct stp_env *env, struct record_frame *frame,
+                             const struct stp_scene *scene);
+enum stp_result record_upload_homes(const struct stp_env *env, struct record_frame *frame,
+                                    const struct stp_scene *scene, struct gpu_buffer *buffer);
+
 /* walk.c: a tile is recorded in parts of at most RECORD_SAMPLES samples, so that no submission
  * grows with their number. The steps of a part are passes in the order of execution: those before
  * the repeated ones in the first part, the repeated ones once a sample, those after in the last. */
@@ -45,7 +52,6 @@ uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sam
  * full barrier and a timestamp after every step. skip_barrier: leaves out the barrier before that
  * pass (tests prove with it that validation sees). */
 #define RECORD_NO_PASS     UINT32_MAX
-#define RECORD_PUSH_SAMPLE 4 /* offset of the sample's index in the push constants */
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
                  uint32_t part, bool timed, uint32_t skip_barrier);
 

@@ -75,7 +75,12 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
                            double *read_back_ms)
 {
     const struct stp_plan *plan = frame->plan;
-    *ms = *read_back_ms = 0;
+    double begin = now_ms();
+    enum stp_result ordered = record_order(env, frame, scene);
+    if (ordered != STP_OK)
+        return ordered;
+    *ms = now_ms() - begin;
+    *read_back_ms = 0;
     for (uint32_t i = 0; i < plan->tile_count; i++) {
         double start = now_ms();
         enum stp_result result = run_tile(env, frame, &plan->tile[i], NULL);

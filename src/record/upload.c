@@ -113,7 +113,9 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
             result = upload_materials(env, frame, scene, buffer);
             break;
         case PLAN_ORDER:
-            result = upload_order(env, frame, &scene->splats, buffer);
+            result = frame->plan->transparency == STP_TRANSPARENCY_AUTO
+                         ? upload_order(env, frame, &scene->splats, buffer)
+                         : record_upload_homes(env, frame, scene, buffer);
             break;
         default:
             break;

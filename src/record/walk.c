@@ -195,17 +195,17 @@ static void push_sample(struct record_frame *frame, VkCommandBuffer commands, ui
     frame->context->vk.vkCmdPushConstants(commands, frame->resources.layout,
                                           VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT |
                                               VK_SHADER_STAGE_FRAGMENT_BIT,
-                                          RECORD_PUSH_SAMPLE, sizeof sample, &sample);
+                                          PASS_PUSH_SAMPLE, sizeof sample, &sample);
 }
 
 uint32_t record_parts(const struct stp_plan *plan)
 {
-    return (plan_samples(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
+    return (plan_repeats(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
 }
 
 struct record_steps record_steps(const struct stp_plan *plan, uint32_t part)
 {
-    uint32_t first = part * RECORD_SAMPLES, left = plan_samples(plan) - first;
+    uint32_t first = part * RECORD_SAMPLES, left = plan_repeats(plan) - first;
     struct record_steps steps = { .plan = plan, .first_sample = first };
     uint32_t samples = left < RECORD_SAMPLES ? left : RECORD_SAMPLES;
     steps.before = first == 0 ? plan->repeat_first : 0;

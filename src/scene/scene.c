@@ -15,6 +15,7 @@ static const struct stp_light head_light = { .at_eye = true, .color = { 1, 1, 1 
 void cover_groups_release(struct cover_groups *groups)
 {
     mem_free(groups->node);
+    mem_free(groups->home);
     *groups = (struct cover_groups){ 0 };
 }
 
