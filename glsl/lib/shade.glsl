@@ -80,10 +80,10 @@ Look surface_look(uvec2 p, bool hit, Surface s)
     look.depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
     MaterialData m = frame.materials.v[0];
     if (HAS_OBJECTS)
-        m = frame.materials.v[hit ? floatBitsToUint(frame.splats.v[2 * s.id + 1].w) >> 8 : 0];
+        m = frame.materials.v[hit ? floatBitsToUint(frame.splats.v[2 * splat_known(s.id) + 1].w) >> 8 : 0];
     look.albedo = m.albedo;
     if (HAS_COLOR)
-        look.albedo = vanished ? frame.colors.v[hit ? s.id : 0] : s.albedo / s.weight;
+        look.albedo = vanished ? frame.colors.v[hit ? splat_known(s.id) : 0] : s.albedo / s.weight;
     look.color = shade(m, look.albedo, look.normal, pixel_position(p), look.depth);
     return look;
 }

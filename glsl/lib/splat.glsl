@@ -328,16 +328,23 @@ bool splat_small(Splat s, out bool floored, out ivec4 box)
     return bounds_small(s, floored, box);
 }
 
+// An id that can be looked up, also of a lane that has none: loads are not always masked.
+uint splat_known(uint id)
+{
+    return min(id, frame.splat_count - 1);
+}
+
 // One of the opaque ones of a scene that is transparent elsewhere.
 bool splat_opaque(uint id)
 {
-    return MIXED && (floatBitsToUint(frame.splats.v[2 * id + 1].w) & STP_TAG_OPAQUE) != 0;
+    return MIXED &&
+           (floatBitsToUint(frame.splats.v[2 * splat_known(id) + 1].w) & STP_TAG_OPAQUE) != 0;
 }
 
 // In a scene that is transparent somewhere.
 float splat_opacity(uint id)
 {
-    return OPACITY == 2 ? frame.opacities.v[id] : frame.opacity;
+    return OPACITY == 2 ? frame.opacities.v[splat_known(id)] : frame.opacity;
 }
 
 // The epsilon of the object that splat `id` belongs to.
@@ -345,6 +352,5 @@ float object_epsilon(uint id)
 {
     if (!HAS_OBJECTS)
         return frame.epsilon;
-    uint known = min(id, frame.splat_count - 1);
-    return frame.materials.v[floatBitsToUint(frame.splats.v[2 * known + 1].w) >> 8].epsilon;
+    return frame.materials.v[floatBitsToUint(frame.splats.v[2 * splat_known(id) + 1].w) >> 8].epsilon;
 }

@@ -50,6 +50,7 @@
 #define STP_WORK_REPAIR_BLOCKS 16 /* x y z: the touched blocks again; else 0 */
 #define STP_WORK_COLLECT  20 /* x y z: all splats, to find those; else 0 */
 #define STP_WORK_OVERFLOW 24 /* not 0: a pixel's slots overflowed */
+#define STP_WORK_REMAINING 25 /* not 0: rays that are being mended have layers left */
 #define STP_WORK_FLAGS    32 /* a word a block */
 #define STP_BLOCK_TOUCHED    1u
 #define STP_BLOCK_OVERFLOWED 2u

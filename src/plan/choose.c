@@ -19,7 +19,8 @@ static enum stp_method method_of(enum stp_transparency transparency)
 
 /* AUTO where nothing is transparent. */
 static enum stp_transparency resolve_transparency(const struct stp_facts *facts,
-                                                  const struct stp_render_params *params)
+                                                  const struct stp_render_params *params,
+                                                  const struct stp_limits *limits)
 {
     if (!facts->transparent)
         return STP_TRANSPARENCY_AUTO;
@@ -32,15 +33,19 @@ static enum stp_transparency resolve_transparency(const struct stp_facts *facts,
         return STP_TRANSPARENCY_PEEL;
     case STP_METHOD_REFERENCE:
         return STP_TRANSPARENCY_REFERENCE;
-    default:
+    case STP_METHOD_EXACT:
         return STP_TRANSPARENCY_EXACT;
+    default:
+        return limits->features & STP_FEATURE_INT64_ATOMICS ? STP_TRANSPARENCY_EXACT
+                                                            : STP_TRANSPARENCY_REFERENCE;
     }
 }
 
 static enum stp_method resolve_method(const struct stp_facts *facts,
-                                      const struct stp_render_params *params)
+                                      const struct stp_render_params *params,
+                                      const struct stp_limits *limits)
 {
-    enum stp_transparency transparency = resolve_transparency(facts, params);
+    enum stp_transparency transparency = resolve_transparency(facts, params, limits);
     if (transparency != STP_TRANSPARENCY_AUTO)
         return method_of(transparency);
     if (params->method != STP_METHOD_AUTO)
@@ -51,8 +56,8 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
 static enum stp_result choose_transparency(const struct stp_env *env, struct stp_plan *plan)
 {
     const struct stp_render_params *p = &plan->params;
-    plan->transparency = resolve_transparency(&plan->facts, p);
-    plan->method = resolve_method(&plan->facts, p);
+    plan->transparency = resolve_transparency(&plan->facts, p, &plan->limits);
+    plan->method = resolve_method(&plan->facts, p, &plan->limits);
     if (plan->transparency == STP_TRANSPARENCY_AUTO)
         return STP_OK;
     const char *name = stp_transparency_name(plan->transparency);
@@ -75,6 +80,11 @@ static enum stp_result choose_transparency(const struct stp_env *env, struct stp
         return log_error(env, STP_ERROR_ARGUMENT,
                          "transparency %s does not count layers; --aov layers takes exact or peel",
                          name);
+    if (plan->transparency == STP_TRANSPARENCY_EXACT &&
+        !(plan->limits.features & STP_FEATURE_INT64_ATOMICS))
+        return log_error(env, STP_ERROR_FEATURE,
+                         "transparency exact needs shaderBufferInt64Atomics, which the device "
+                         "lacks; leave the choice to auto");
     return STP_OK;
 }
 
@@ -82,13 +92,13 @@ bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_rende
                            const struct stp_limits *limits)
 {
     return !facts->volume.dims[0] && !facts->transparent &&
-           resolve_method(facts, params) == STP_METHOD_DEFERRED;
+           resolve_method(facts, params, limits) == STP_METHOD_DEFERRED;
 }
 
 bool stp_plan_needs_cover(const struct stp_facts *facts, const struct stp_render_params *params,
                           const struct stp_limits *limits)
 {
-    enum stp_transparency t = resolve_transparency(facts, params);
+    enum stp_transparency t = resolve_transparency(facts, params, limits);
     return t == STP_TRANSPARENCY_FAST || t == STP_TRANSPARENCY_NEAREST;
 }
 

@@ -1,29 +1,47 @@
 /* Every fragment in one geometry pass, resolved exactly. A pixel with more fragments than slots is
- * summed again by the two-pass code, over the very memory of its slots and from only the splats
- * that touch its block; those passes are dispatched indirectly and do nothing when no pixel
- * overflowed. */
+ * summed again, over the very memory of its slots and from only the splats that touch its block: by
+ * the two-pass code, or, where there are layers, once a layer. Those passes are dispatched
+ * indirectly and do nothing when no pixel overflowed. */
 #include "plan/plan.h"
+
+static struct plan_pass *repair_blocks(struct stp_plan *plan, const char *name,
+                                       enum plan_shader shader)
+{
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, name);
+    pass->shader = shader;
+    pass->offset = STP_WORK_REPAIR_BLOCKS * 4;
+    return pass;
+}
+
+/* The splats that a repair draws: those that touch a block with an overflowed pixel. */
+static void collect(struct stp_plan *plan)
+{
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, "repair collect");
+    pass->shader = PLAN_SHADER_EXACT_COLLECT;
+    pass->offset = STP_WORK_COLLECT * 4;
+    plan_reads(plan, pass, PLAN_SPLATS);
+    plan_updates(plan, pass, PLAN_WORK);
+    plan_writes(plan, pass, PLAN_LARGE);
+}
+
+static void arm(struct stp_plan *plan, enum plan_shader clear_shader)
+{
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "arm repair");
+    pass->shader = PLAN_SHADER_EXACT_ARM;
+    pass->groups = 1;
+    plan_updates(plan, pass, PLAN_WORK);
+    pass = repair_blocks(plan, "repair clear", clear_shader);
+    plan_reads(plan, pass, PLAN_WORK);
+    plan_reads(plan, pass, PLAN_COUNTS);
+    plan_updates(plan, pass, PLAN_KEYS);
+}
 
 static void repair(struct stp_plan *plan)
 {
     bool atomic64 = plan->constant[PLAN_ATOMIC64] != 0;
     const enum plan_slot touched[] = { PLAN_KEYS, PLAN_COUNTS, PLAN_SLOTS };
-    struct plan_pass *arm = plan_pass(plan, PLAN_DISPATCH, "arm repair");
-    arm->shader = PLAN_SHADER_EXACT_ARM;
-    arm->groups = 1;
-    plan_updates(plan, arm, PLAN_WORK);
-    struct plan_pass *clear = plan_pass(plan, PLAN_DISPATCH_INDIRECT, "repair clear");
-    clear->shader = PLAN_SHADER_EXACT_CLEAR;
-    clear->offset = STP_WORK_REPAIR_BLOCKS * 4;
-    plan_reads(plan, clear, PLAN_WORK);
-    plan_reads(plan, clear, PLAN_COUNTS);
-    plan_updates(plan, clear, PLAN_KEYS);
-    struct plan_pass *collect = plan_pass(plan, PLAN_DISPATCH_INDIRECT, "repair collect");
-    collect->shader = PLAN_SHADER_EXACT_COLLECT;
-    collect->offset = STP_WORK_COLLECT * 4;
-    plan_reads(plan, collect, PLAN_SPLATS);
-    plan_updates(plan, collect, PLAN_WORK);
-    plan_writes(plan, collect, PLAN_LARGE);
+    arm(plan, PLAN_SHADER_EXACT_CLEAR);
+    collect(plan);
     if (atomic64) {
         plan_splat(plan, "repair depth", PLAN_SHADER_TWOPASS_DEPTH_LISTED,
                    PLAN_SHADER_TWOPASS_DEPTH_LARGE, true, touched);
@@ -41,6 +59,33 @@ static void repair(struct stp_plan *plan)
     plan->pass[plan->pass_count - 1].offset = STP_WORK_REPAIR_BLOCKS * 4;
 }
 
+static void mend_pixels(struct stp_plan *plan, const char *name, enum plan_shader shader)
+{
+    struct plan_pass *pass = repair_blocks(plan, name, shader);
+    plan_updates(plan, pass, PLAN_WORK);
+    plan_reads(plan, pass, PLAN_COUNTS);
+    plan_updates(plan, pass, PLAN_KEYS);
+}
+
+/* Layers of the pixels whose fragments overflowed their slots: a turn of the loop a layer. */
+static void mend(struct stp_plan *plan)
+{
+    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_COUNTS, PLAN_SLOTS };
+    arm(plan, PLAN_SHADER_MEND_CLEAR);
+    collect(plan);
+    plan_splat(plan, "mend find", PLAN_SHADER_MEND_FIND, PLAN_SHADER_MEND_FIND_LARGE, true,
+               touched);
+    mend_pixels(plan, "mend first", PLAN_SHADER_MEND_FIRST);
+    plan->loop_first = plan->pass_count;
+    struct plan_pass *turn = plan_pass(plan, PLAN_DISPATCH, "mend turn");
+    turn->shader = PLAN_SHADER_MEND_TURN;
+    turn->groups = 1;
+    plan_updates(plan, turn, PLAN_WORK);
+    plan_splat(plan, "mend sum", PLAN_SHADER_MEND_SUM, PLAN_SHADER_MEND_SUM_LARGE, true, touched);
+    plan_resolve(plan, "mend layer", PLAN_SHADER_MEND_LAYER, true, touched);
+    plan->pass[plan->pass_count - 1].offset = STP_WORK_REPAIR_BLOCKS * 4;
+}
+
 void plan_exact(struct stp_plan *plan)
 {
     uint64_t pixels = plan_pixels(plan);
@@ -55,6 +100,7 @@ void plan_exact(struct stp_plan *plan)
     plan_blocks(plan);
     if (plan->transparency == STP_TRANSPARENCY_EXACT) {
         plan_resolve(plan, "layers", PLAN_SHADER_EXACT_LAYERS, false, touched);
+        mend(plan);
         return;
     }
     plan_resolve(plan, "resolve", PLAN_SHADER_EXACT_RESOLVE, false, touched);

@@ -104,6 +104,14 @@ enum plan_shader {
     PLAN_SHADER_EXACT_ARM,
     PLAN_SHADER_EXACT_CLEAR,
     PLAN_SHADER_EXACT_COLLECT,
+    PLAN_SHADER_MEND_CLEAR,
+    PLAN_SHADER_MEND_FIND,
+    PLAN_SHADER_MEND_FIND_LARGE,
+    PLAN_SHADER_MEND_FIRST,
+    PLAN_SHADER_MEND_TURN,
+    PLAN_SHADER_MEND_SUM,
+    PLAN_SHADER_MEND_SUM_LARGE,
+    PLAN_SHADER_MEND_LAYER,
     PLAN_SHADER_TWOPASS_CLEAR,
     PLAN_SHADER_TWOPASS_DEPTH,
     PLAN_SHADER_TWOPASS_DEPTH_LARGE,
@@ -212,6 +220,9 @@ struct stp_plan {
     struct plan_pass pass[PLAN_MAX_PASSES];
     /* Passes [repeat_first, repeat_end) are run once a sample, in order. */
     uint32_t repeat_first, repeat_end;
+    /* Passes [loop_first, repeat_end) are run again and again, for as long as they leave
+     * STP_WORK_REMAINING set; not at all when it was not. 0: none are. */
+    uint32_t loop_first;
     uint32_t tile_width, tile_height; /* the largest */
     struct plan_tile *tile;
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */

@@ -46,8 +46,10 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
     for (uint32_t i = 0; i < plan->pass_count; i++) {
         if (repeats && i == plan->repeat_first)
             fprintf(out, " for each of %u samples:\n", plan_samples(plan));
-        if (repeats && i == plan->repeat_end)
+        if ((repeats || plan->loop_first) && i == plan->repeat_end)
             fprintf(out, " then:\n");
+        if (plan->loop_first && i == plan->loop_first)
+            fprintf(out, " while rays have layers left:\n");
         const struct plan_pass *pass = &plan->pass[i];
         fprintf(out, "  %-9s %-20s", kinds[pass->kind], pass->name);
         print_accesses(out, plan, pass, PLAN_READ, " reads ");

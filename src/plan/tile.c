@@ -99,7 +99,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
 {
     plan->tile_width = width;
     plan->tile_height = height;
-    plan->resource_count = plan->pass_count = 0;
+    plan->resource_count = plan->pass_count = plan->loop_first = 0;
     scene_resources(plan);
     outputs(plan);
     bool compute = plan->path == STP_PATH_COMPUTE;

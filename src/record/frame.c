@@ -20,6 +20,12 @@ static enum stp_result make_resources(const struct stp_env *env, struct record_f
         if (result != STP_OK)
             return result;
     }
+    if (plan->loop_first) {
+        enum stp_result result = gpu_buffer_create(env, frame->context, 4, GPU_READ_BACK,
+                                                   "what remains", &frame->remaining);
+        if (result != STP_OK)
+            return result;
+    }
     return gpu_buffer_create(env, frame->context, sizeof(struct stp_frame_constants), GPU_DEVICE,
                              "frame constants", &frame->resources.constants);
 }
@@ -212,6 +218,7 @@ void record_frame_destroy(struct record_frame *frame)
         gpu_buffer_destroy(c, &frame->read_back[i]);
         gpu_image_destroy(c, &frame->resources.image[i]);
     }
+    gpu_buffer_destroy(c, &frame->remaining);
     gpu_buffer_destroy(c, &frame->resources.constants);
     *frame = (struct record_frame){ 0 };
 }

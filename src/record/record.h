@@ -13,6 +13,7 @@ struct record_frame {
     struct pass_resources resources;
     VkPipeline pipeline[PLAN_MAX_PASSES];
     struct gpu_buffer read_back[PLAN_MAX_RESOURCES]; /* of outputs that are not mapped */
+    struct gpu_buffer remaining;                     /* STP_WORK_REMAINING, where the plan loops */
     VkQueryPool queries;                             /* RECORD_MAX_STEPS + 1; may be null */
 };
 
@@ -34,14 +35,20 @@ enum stp_result record_upload_homes(const struct stp_env *env, struct record_fra
 
 /* walk.c: a tile is recorded in parts of at most RECORD_SAMPLES samples, so that no submission
  * grows with their number. The steps of a part are passes in the order of execution: those before
- * the repeated ones in the first part, the repeated ones once a sample, those after in the last. */
+ * the repeated ones in the first part, the repeated ones once a sample, those after in the last.
+ * Where the plan loops, every sample takes two parts, the second being RECORD_TURNS turns of the
+ * loop, and what comes after takes one of its own: a part that loops is run while `remaining` is
+ * set, which the part before it has left too. */
 #define RECORD_SAMPLES   16
+#define RECORD_TURNS     16
 #define RECORD_MAX_STEPS (PLAN_MAX_PASSES * RECORD_SAMPLES)
 struct record_steps {
     const struct stp_plan *plan;
     uint32_t count, before, repeated;
+    uint32_t first, length; /* of the passes that are repeated */
     uint32_t first_sample;
-    bool last; /* outputs are handed to the host after it */
+    bool loops; /* turns of one sample's loop */
+    bool last;  /* outputs are handed to the host after it */
 };
 uint32_t record_parts(const struct stp_plan *plan);
 struct record_steps record_steps(const struct stp_plan *plan, uint32_t part);

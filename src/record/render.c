@@ -56,16 +56,45 @@ static enum stp_result add_timestamps(const struct stp_env *env, struct record_f
     return STP_OK;
 }
 
+/* Has the part that ran last left rays unfinished? */
+static enum stp_result read_remaining(const struct stp_env *env, struct record_frame *frame,
+                                      bool *remaining)
+{
+    struct stp_context *c = frame->context;
+    *remaining = false;
+    if (!frame->plan->loop_first)
+        return STP_OK;
+    VkMappedMemoryRange range = { .sType = VK_STRUCTURE_TYPE_MAPPED_MEMORY_RANGE,
+                                  .memory = frame->remaining.memory,
+                                  .size = VK_WHOLE_SIZE };
+    VkResult status = frame->remaining.coherent
+                          ? VK_SUCCESS
+                          : c->vk.vkInvalidateMappedMemoryRanges(c->device, 1, &range);
+    if (status != VK_SUCCESS)
+        return gpu_error(env, status, "vkInvalidateMappedMemoryRanges");
+    *remaining = *(const uint32_t *)frame->remaining.mapped != 0;
+    return STP_OK;
+}
+
 /* All parts of a tile; adds the passes' times where pass_ms is not NULL. */
 static enum stp_result run_tile(const struct stp_env *env, struct record_frame *frame,
                                 const struct plan_tile *tile, double *pass_ms)
 {
     uint32_t parts = record_parts(frame->plan);
     enum stp_result result = STP_OK;
-    for (uint32_t part = 0; result == STP_OK && part < parts; part++) {
+    bool remaining = false;
+    for (uint32_t part = 0; result == STP_OK && part < parts;) {
+        bool loops = record_steps(frame->plan, part).loops;
+        if (loops && !remaining) {
+            part++;
+            continue;
+        }
         result = run_part(env, frame, tile, part, pass_ms != NULL);
         if (result == STP_OK && pass_ms)
             result = add_timestamps(env, frame, part, pass_ms);
+        if (result == STP_OK)
+            result = read_remaining(env, frame, &remaining);
+        part += !loops;
     }
     return result;
 }

@@ -190,6 +190,23 @@ static void finish(struct record_frame *frame, VkCommandBuffer commands)
         barrier(frame, commands, &memory);
 }
 
+static void copy_remaining(struct record_frame *frame, VkCommandBuffer commands)
+{
+    uint8_t work = plan_find(frame->plan, PLAN_WORK);
+    VkMemoryBarrier2 memory = {
+        .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
+        .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
+        .dstStageMask = VK_PIPELINE_STAGE_2_HOST_BIT | VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
+        .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT
+    };
+    VkBufferCopy copy = { .srcOffset = STP_WORK_REMAINING * 4, .size = 4 };
+    barrier(frame, commands, &memory);
+    frame->context->vk.vkCmdCopyBuffer(commands, frame->resources.buffer[work].handle,
+                                       frame->remaining.handle, 1, &copy);
+    barrier(frame, commands, &memory);
+}
+
 static void push_sample(struct record_frame *frame, VkCommandBuffer commands, uint32_t sample)
 {
     frame->context->vk.vkCmdPushConstants(commands, frame->resources.layout,
@@ -200,16 +217,37 @@ static void push_sample(struct record_frame *frame, VkCommandBuffer commands, ui
 
 uint32_t record_parts(const struct stp_plan *plan)
 {
+    if (plan->loop_first)
+        return 2 * plan_samples(plan) + 1;
     return (plan_repeats(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
+}
+
+static struct record_steps looping_steps(const struct stp_plan *plan, uint32_t part)
+{
+    struct record_steps steps = { .plan = plan, .first_sample = part / 2 };
+    steps.last = part == 2 * plan_samples(plan);
+    steps.loops = part % 2 == 1;
+    steps.before = part == 0 ? plan->repeat_first : 0;
+    steps.first = steps.loops ? plan->loop_first : plan->repeat_first;
+    steps.length = (steps.loops ? plan->repeat_end : plan->loop_first) - steps.first;
+    steps.repeated = steps.last ? 0 : steps.length * (steps.loops ? RECORD_TURNS : 1);
+    steps.count = steps.before + steps.repeated;
+    if (steps.last)
+        steps.count += plan->pass_count - plan->repeat_end;
+    return steps;
 }
 
 struct record_steps record_steps(const struct stp_plan *plan, uint32_t part)
 {
+    if (plan->loop_first)
+        return looping_steps(plan, part);
     uint32_t first = part * RECORD_SAMPLES, left = plan_repeats(plan) - first;
     struct record_steps steps = { .plan = plan, .first_sample = first };
     uint32_t samples = left < RECORD_SAMPLES ? left : RECORD_SAMPLES;
     steps.before = first == 0 ? plan->repeat_first : 0;
-    steps.repeated = samples * (plan->repeat_end - plan->repeat_first);
+    steps.first = plan->repeat_first;
+    steps.length = plan->repeat_end - plan->repeat_first;
+    steps.repeated = samples * steps.length;
     steps.count = steps.before + steps.repeated;
     steps.last = samples == left;
     if (steps.last)
@@ -219,16 +257,14 @@ struct record_steps record_steps(const struct stp_plan *plan, uint32_t part)
 
 uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sample)
 {
-    const struct stp_plan *plan = steps->plan;
-    uint32_t length = plan->repeat_end - plan->repeat_first;
     *sample = steps->first_sample;
     if (i < steps->before)
         return i;
     i -= steps->before;
     if (i >= steps->repeated)
-        return plan->repeat_end + i - steps->repeated;
-    *sample += i / length;
-    return plan->repeat_first + i % length;
+        return steps->plan->repeat_end + i - steps->repeated;
+    *sample += steps->loops ? 0 : i / steps->length;
+    return steps->first + i % steps->length;
 }
 
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
@@ -257,6 +293,8 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
         if (timed)
             stamp(frame, commands, i + 1);
     }
+    if (plan->loop_first)
+        copy_remaining(frame, commands);
     if (steps.last)
         finish(frame, commands);
 }

@@ -36,6 +36,8 @@ struct stp_scene *scene_make(size_t capacity, unsigned objects, double epsilon);
 /* A zero normal is unknown. Returns the splat's canonical id. */
 size_t scene_add(struct stp_scene *scene, struct vec3 p, struct vec3 n, double radius);
 void scene_paint(struct stp_scene *scene, size_t i, float r, float g, float b);
+/* Others stay opaque. */
+void scene_fade(struct stp_scene *scene, size_t i, float opacity);
 void scene_assign(struct stp_scene *scene, size_t i, unsigned object);
 /* Call after the last splat: bounds, counts, radii and the origin. */
 void scene_finish(struct stp_scene *scene);
@@ -54,6 +56,8 @@ struct tolerance {
 };
 /* Packed payloads; `exact` with ids; two-pass, and deferred with ids. */
 extern const struct tolerance packed_tolerance, exact_tolerance, float_tolerance;
+/* Layers: the end of an epsilon decides of each whether a fragment is its own layer. */
+extern const struct tolerance layers_tolerance;
 
 struct verdict {
     size_t covered, fragile, off;

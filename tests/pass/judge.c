@@ -13,6 +13,10 @@ const struct tolerance float_tolerance = {
     .color = 1e-4, .normal = 2e-4, .depth = 1e-3, .psnr = 110, .fragile = 0.03
 };
 
+const struct tolerance layers_tolerance = {
+    .color = 3e-3, .normal = 1e-2, .depth = 4e-3, .psnr = 80, .fragile = 0.03
+};
+
 #define VARIANTS TRUTH_VARIANTS
 #define SHIFT    3e-4 /* pixels */
 #define JUMP     0.01 /* what moving the picture by so little changes only where it is not smooth */

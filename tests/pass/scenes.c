@@ -25,6 +25,9 @@ struct stp_scene *scene_make(size_t capacity, unsigned objects, double epsilon)
     s->input = must(mem_zalloc(capacity, sizeof *s->input));
     s->color = must(mem_zalloc(capacity, sizeof *s->color));
     s->object = must(mem_zalloc(capacity, sizeof *s->object));
+    s->opacity = must(mem_zalloc(capacity, sizeof *s->opacity));
+    for (size_t i = 0; i < capacity; i++)
+        s->opacity[i] = 1;
     return scene;
 }
 
@@ -46,6 +49,12 @@ void scene_paint(struct stp_scene *scene, size_t i, float r, float g, float b)
     memcpy(scene->splats.color[i], (float[3]){ r, g, b }, sizeof scene->splats.color[i]);
 }
 
+void scene_fade(struct stp_scene *scene, size_t i, float opacity)
+{
+    scene->splats.opacity[i] = opacity;
+    scene->facts.transparent |= opacity < 1;
+}
+
 void scene_assign(struct stp_scene *scene, size_t i, unsigned object)
 {
     scene->splats.object[i] = (uint16_t)object;
@@ -63,12 +72,27 @@ static void grow(struct stp_facts *f, const struct splats *s, size_t i)
     f->no_normal += s->normal[i][0] == 0 && s->normal[i][1] == 0 && s->normal[i][2] == 0;
 }
 
+static void find_opacities(struct stp_facts *f, const struct splats *s)
+{
+    f->opacity_min = 1;
+    f->uniform_opacity = true;
+    for (size_t i = 0; f->transparent && i < s->count; i++) {
+        f->opacity_min = fminf(f->opacity_min, s->opacity[i]);
+        f->uniform_opacity &= s->opacity[i] == s->opacity[0];
+        f->mixed |= s->opacity[i] == 1;
+    }
+}
+
 /* What a scene lacks is absent, as stp_scene_prepare leaves it. */
 static void drop_unused(struct stp_scene *scene)
 {
     if (!scene->facts.has_color) {
         mem_free(scene->splats.color);
         scene->splats.color = NULL;
+    }
+    if (!scene->facts.transparent) {
+        mem_free(scene->splats.opacity);
+        scene->splats.opacity = NULL;
     }
     if (scene->object_count == 1) {
         mem_free(scene->splats.object);
@@ -91,6 +115,7 @@ void scene_finish(struct stp_scene *scene)
     for (size_t i = 0; i < s->count; i++)
         grow(f, s, i);
     f->radius_median = s->radius[s->count / 2];
+    find_opacities(f, s);
     for (int k = 0; k < 3; k++)
         s->origin[k] = f->origin[k] = 0.5 * (f->bounds[k] + f->bounds[3 + k]);
     /* Positions are what float32 holds relative to the origin: the rest is no renderer's error. */

@@ -47,6 +47,16 @@ static inline void color_inputs(struct inputs *in)
     in->scene->facts.color_max = 1;
 }
 
+/* One opacity for all, or each its own and some 1. */
+static inline void fade_inputs(struct inputs *in, bool mixed)
+{
+    struct stp_facts *f = &in->scene->facts;
+    f->transparent = true;
+    f->opacity_min = 0.5f;
+    f->uniform_opacity = !mixed;
+    f->mixed = mixed;
+}
+
 static inline struct stp_plan *plan_of(const struct inputs *in)
 {
     struct stp_plan *plan = NULL;

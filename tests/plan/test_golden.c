@@ -118,6 +118,18 @@ static void test_tiled_eye_dome_background(void **state)
     expect_golden(&in, "tiled_eye_dome_background");
 }
 
+static void test_layers(void **state)
+{
+    struct inputs in = plain_inputs();
+    fade_inputs(&in, false);
+    expect_golden(&in, "layers");
+    in = plain_inputs();
+    fade_inputs(&in, true);
+    in.params.samples = 4;
+    in.params.aovs = STP_AOV_LAYERS;
+    expect_golden(&in, "layers_mixed_samples");
+}
+
 static void test_reference(void **state)
 {
     struct inputs in = plain_inputs();
@@ -138,6 +150,7 @@ int main(void)
         cmocka_unit_test(test_deferred_raster_layered),
         cmocka_unit_test(test_two_pass),
         cmocka_unit_test(test_tiled_eye_dome_background),
+        cmocka_unit_test(test_layers),
         cmocka_unit_test(test_reference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -96,6 +96,15 @@ static void samples(struct inputs *in)
 {
     in->params.samples = 5;
 }
+static void faded(struct inputs *in)
+{
+    fade_inputs(in, false);
+}
+static void mixed(struct inputs *in)
+{
+    fade_inputs(in, true);
+    in->params.aovs = STP_AOV_LAYERS;
+}
 static void gpu(struct inputs *in)
 {
     in->limits.processor = 2;
@@ -134,6 +143,11 @@ static const struct feature {
     { "eye dome", eye_dome, ALL, NULL, "+eye dome", -1, 0 },
     { "exact Voronoi", voronoi_exact, KEYS, "+nearest", "+nearest", PLAN_VORONOI, 2 },
     { "samples", samples, EXACT | TWO_PASS | KEYS, NULL, NULL, PLAN_SAMPLE_GRID, 3 },
+    { "one opacity", faded, EXACT, NULL, "+layers", PLAN_OPACITY, 1 },
+    { "one opacity", faded, EXACT, NULL, "-resolve", PLAN_MIXED, 0 },
+    { "opacities", mixed, EXACT, "+opacities", "+mend layer", PLAN_OPACITY, 2 },
+    { "opacities", mixed, EXACT, "+slot ids", "-repair sum", PLAN_MIXED, 1 },
+    { "layers", mixed, EXACT, "+id", NULL, PLAN_AOVS, PLAN_AOVS_ID | PLAN_AOVS_LAYERS },
     { "a GPU", gpu, LAYERS, "-order", "-layer 3", PLAN_LAYERED, 1 },
     { "a GPU", gpu, EXACT | TWO_PASS | TWO_PASS_RASTER | KEYS, NULL, NULL, PLAN_LAYERED, 0 },
     { "no atomics", no_atomics, TWO_PASS, NULL, "+nearest id", PLAN_ATOMIC64, 0 },
@@ -193,6 +207,34 @@ static void test_the_least(void **state)
     assert_int_equal(resource_named(plan, "splats")->bytes, 100 * 32);
     stp_plan_destroy(&plan);
     release_inputs(&in);
+}
+
+/* auto: exact, where the device has 64-bit atomics. An opaque scene takes no notice. */
+static void test_transparency(void **state)
+{
+    for (int i = 0; i < 4; i++) {
+        struct inputs in = plain_inputs();
+        if (i & 1)
+            fade_inputs(&in, false);
+        if (i & 2)
+            no_atomics(&in);
+        struct stp_plan *plan = plan_of(&in);
+        struct stp_plan_summary summary;
+        stp_plan_summarize(plan, &summary);
+        assert_int_equal(summary.transparency, i == 1   ? STP_TRANSPARENCY_EXACT
+                                               : i == 3 ? STP_TRANSPARENCY_REFERENCE
+                                                        : STP_TRANSPARENCY_AUTO);
+        assert_int_equal(summary.method, i == 3 ? STP_METHOD_REFERENCE : STP_METHOD_EXACT);
+        assert_int_equal(plan->loop_first != 0, i == 1);
+        stp_plan_destroy(&plan);
+        in.params.transparency = STP_TRANSPARENCY_EXACT;
+        in.params.method = STP_METHOD_EXACT;
+        enum stp_result result =
+            stp_plan_create(NULL, in.scene, &in.camera, &in.params, &in.limits, &plan);
+        assert_int_equal(result, i == 3 ? STP_ERROR_FEATURE : STP_OK);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
 }
 
 /* By default: slabs where c < 1 and by the rasteriser, else the exact way. */
@@ -278,9 +320,10 @@ static void test_payload(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_features),  cmocka_unit_test(test_the_least),
-        cmocka_unit_test(test_voronoi),   cmocka_unit_test(test_groups),
-        cmocka_unit_test(test_squarings), cmocka_unit_test(test_payload),
+        cmocka_unit_test(test_features),     cmocka_unit_test(test_the_least),
+        cmocka_unit_test(test_transparency), cmocka_unit_test(test_voronoi),
+        cmocka_unit_test(test_groups),       cmocka_unit_test(test_squarings),
+        cmocka_unit_test(test_payload),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

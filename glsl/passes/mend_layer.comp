@@ -1,0 +1,142 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// Mending, a turn's end: the summed layer joins its ray, and the next one is put at hand; a ray
+// without one is written. CLEAR and FIRST come before the first turn: they empty the state, and put
+// the first layer at hand.
+#include "lib/common.glsl"
+#include "lib/splat.glsl"
+#include "lib/resolve.glsl"
+#include "lib/shade.glsl"
+#include "lib/layers.glsl"
+#include "lib/mend.glsl"
+
+uint64_t word(uint pixel, uint at)
+{
+    return frame.keys.v[mend_at(pixel, at)];
+}
+
+float sum(uint pixel, uint at, float scale)
+{
+    return float(int64_t(word(pixel, MEND_SUMS + at))) / scale;
+}
+
+void clear_sums(uint pixel)
+{
+    for (uint i = 0; i < MEND_SUM_WORDS; i++)
+        frame.keys.v[mend_at(pixel, MEND_SUMS + i)] = 0;
+}
+
+// Two floats a word.
+void put(uint pixel, uint at, float a, float b)
+{
+    frame.keys.v[mend_at(pixel, MEND_RAY + at)] =
+        packUint2x32(uvec2(floatBitsToUint(a), floatBitsToUint(b)));
+}
+
+vec2 get(uint pixel, uint at)
+{
+    return uintBitsToFloat(unpackUint2x32(word(pixel, MEND_RAY + at)));
+}
+
+void ray_store(uint pixel, Ray r)
+{
+    put(pixel, 0, r.color.x, r.color.y);
+    put(pixel, 1, r.color.z, r.through);
+    put(pixel, 2, uintBitsToFloat(r.layers), r.first.depth);
+    put(pixel, 3, r.first.normal.x, r.first.normal.y);
+    put(pixel, 4, r.first.normal.z, r.surface.weight);
+    put(pixel, 5, r.first.albedo.x, r.first.albedo.y);
+    put(pixel, 6, r.first.albedo.z, uintBitsToFloat(r.surface.id));
+    put(pixel, 7, uintBitsToFloat(r.surface.fragments), r.alpha);
+}
+
+Ray ray_restore(uint pixel)
+{
+    Ray r = RAY_START;
+    vec2 a = get(pixel, 0), b = get(pixel, 1), c = get(pixel, 2), d = get(pixel, 3);
+    vec2 e = get(pixel, 4), f = get(pixel, 5), g = get(pixel, 6), h = get(pixel, 7);
+    r.color = vec3(a, b.x);
+    r.through = b.y;
+    r.layers = floatBitsToUint(c.x);
+    r.first.depth = c.y;
+    r.first.normal = vec3(d, e.x);
+    r.surface.weight = e.y;
+    r.first.albedo = vec3(f, g.x);
+    r.surface.id = floatBitsToUint(g.y);
+    r.surface.fragments = floatBitsToUint(h.x);
+    r.alpha = h.y;
+    return r;
+}
+
+Surface summed(uint pixel, uint64_t now, out float alpha)
+{
+    Surface s;
+    Splat splat;
+    float scale = frame.sum_scale;
+    s.id = uint(now);
+    s.near_depth = mend_depth(now);
+    s.weight = sum(pixel, 0, scale);
+    s.normal = vec3(sum(pixel, 1, scale), sum(pixel, 2, scale), sum(pixel, 3, scale));
+    s.depth = s.near_depth + sum(pixel, 4, scale) / s.weight * object_epsilon(s.id);
+    if (HAS_COLOR)
+        s.albedo = vec3(sum(pixel, 5, frame.color_scale), sum(pixel, 6, frame.color_scale),
+                        sum(pixel, 7, frame.color_scale));
+    alpha = splat_opacity(s.id);
+    if (OPACITY == 2 && s.weight >= 1e-6)
+        alpha = sum(pixel, 8, scale) / s.weight;
+    s.fragments = uint(word(pixel, MEND_SUMS + 9));
+    splat_load(splat_known(s.id), splat);
+    s.near_normal = splat.normal;
+    return s;
+}
+
+// The nearer of what is left comes next. False: nothing is left.
+bool advance(uint pixel)
+{
+    uint64_t next = word(pixel, MEND_NEXT), wall = word(pixel, MEND_WALL);
+    uint64_t now = uint(next >> 32) < uint(wall >> 32) ? next : wall;
+    frame.keys.v[mend_at(pixel, MEND_NOW)] = now;
+    frame.keys.v[mend_at(pixel, MEND_NEXT)] = STP_SUMS_NONE;
+    clear_sums(pixel);
+    if (now != STP_SUMS_NONE)
+        frame.work.v[STP_WORK_REMAINING] = 1;
+    return now != STP_SUMS_NONE;
+}
+
+#ifdef CLEAR
+void turn(uint pixel, uvec2 p)
+{
+    for (uint i = MEND_NOW; i <= MEND_WALL; i++)
+        frame.keys.v[mend_at(pixel, i)] = STP_SUMS_NONE;
+    ray_store(pixel, RAY_START);
+}
+#elif defined(FIRST)
+void turn(uint pixel, uvec2 p)
+{
+    advance(pixel);
+}
+#else
+void turn(uint pixel, uvec2 p)
+{
+    uint64_t now = word(pixel, MEND_NOW), wall = word(pixel, MEND_WALL);
+    if (now == STP_SUMS_NONE)
+        return;
+    float alpha;
+    Ray ray = ray_restore(pixel);
+    Surface s = summed(pixel, now, alpha);
+    ray_layer(ray, p, s, MIXED && now == wall ? 1 : alpha);
+    if (MIXED && now == wall)
+        frame.keys.v[mend_at(pixel, MEND_WALL)] = STP_SUMS_NONE;
+    ray_store(pixel, ray);
+    if (!advance(pixel))
+        ray_write(ray, p);
+}
+#endif
+
+void main()
+{
+    uvec2 p;
+    uint pixel;
+    if (resolve_pixel(p, pixel) && !mend_skip(pixel))
+        turn(pixel, p);
+}
