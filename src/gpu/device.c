@@ -57,7 +57,8 @@ static void survey_features(const struct gpu_instance *instance, VkPhysicalDevic
     lack(info, f.v13.maintenance4, true, "maintenance4");
     lack(info, f.core.features.shaderInt64, true, "shaderInt64");
     bool atomics = f.v12.shaderBufferInt64Atomics, layer = f.v12.shaderOutputLayer;
-    bool blend = blends_float32(instance, device);
+    /* Ids beside colours that are blended: no device of this age lacks it. */
+    bool blend = blends_float32(instance, device) && f.core.features.independentBlend;
     bool formats = f.core.features.shaderStorageImageExtendedFormats;
     lack(info, atomics, false, "shaderBufferInt64Atomics");
     lack(info, layer, false, "shaderOutputLayer");
@@ -145,6 +146,7 @@ static VkResult create_device(struct stp_context *context)
     f.core.features.shaderStorageImageExtendedFormats =
         (optional & STP_FEATURE_STORAGE_FORMATS) != 0;
     f.core.features.shaderFloat64 = (optional & STP_FEATURE_FLOAT64) != 0;
+    f.core.features.independentBlend = (optional & STP_FEATURE_FLOAT32_BLEND) != 0;
     f.v12.bufferDeviceAddress = f.v12.scalarBlockLayout = VK_TRUE;
     f.v12.shaderBufferInt64Atomics = (optional & STP_FEATURE_INT64_ATOMICS) != 0;
     f.v12.shaderOutputLayer = (optional & STP_FEATURE_VERTEX_LAYER) != 0;
