@@ -18,11 +18,13 @@ struct pass_resources {
 };
 
 /* Push constants: the first splat of a draw or the level of a pyramid, the sample's index, a count
- * of points; then, of a host's frame, struct pass_host_push. */
+ * of points, what a draw's radii are multiplied by and its slabs shifted by; then, of a host's
+ * frame, struct pass_host_push. */
 #define PASS_PUSH_FIRST  0
 #define PASS_PUSH_SAMPLE 4
 #define PASS_PUSH_COUNT  8
-#define PASS_PUSH_HOST   16
+#define PASS_PUSH_DRAW   12
+#define PASS_PUSH_HOST   24
 #define PASS_PUSH_STAGES                                                                           \
     (VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT)
 

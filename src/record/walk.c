@@ -256,7 +256,7 @@ uint32_t record_parts(const struct stp_plan *plan)
     uint32_t count = exchanges(plan);
     if (count)
         return plan_samples(plan) * (count + 1);
-    return (plan_samples(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
+    return (plan_repeats(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
 }
 
 static struct record_steps looping_steps(const struct stp_plan *plan, uint32_t part)
@@ -283,7 +283,7 @@ struct record_steps record_steps(const struct stp_plan *plan, uint32_t part)
     uint32_t count = exchanges(plan);
     if (count)
         return steps_between(plan, part, count);
-    uint32_t first = part * RECORD_SAMPLES, left = plan_samples(plan) - first;
+    uint32_t first = part * RECORD_SAMPLES, left = plan_repeats(plan) - first;
     struct record_steps steps = { .plan = plan, .first_sample = first, .exchange = RECORD_NO_PASS };
     uint32_t samples = left < RECORD_SAMPLES ? left : RECORD_SAMPLES;
     steps.before = first == 0 ? plan->repeat_first : 0;
