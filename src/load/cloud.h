@@ -17,6 +17,7 @@ struct cloud {
     float *radius;      /* NULL: none */
     float (*color)[3];  /* NULL: none; linear */
     float *opacity;     /* NULL: none */
+    struct stp_phong_splat *phong; /* NULL: none; else there are normals */
     unsigned field_count;
     struct cloud_field *fields; /* only the one that color_by asks for, unless asked for all */
     enum stp_up up;             /* what the format says; STP_UP_Y where it says nothing */
