@@ -119,7 +119,9 @@ static struct stp_scene *plane_scene(void)
         normal[i][2] = 1;
         radius[i] = 1.5f;
     }
-    struct stp_points points = { SIDE * SIDE, position, normal, radius, NULL, NULL };
+    struct stp_points points = {
+        .count = SIDE * SIDE, .position = position, .normal = normal, .radius = radius
+    };
     struct stp_scene *scene = NULL;
     assert_int_equal(stp_scene_create(NULL, &scene), STP_OK);
     assert_int_equal(stp_scene_add_points(NULL, scene, &points, NULL), STP_OK);
