@@ -21,8 +21,8 @@ struct pass_resources {
 };
 
 /* Push constants: the first splat of a draw, or of those on the device, or the level of a pyramid;
- * the sample's index; a count of points; what a draw's radii are multiplied by and its slabs shifted
- * by; then, of a host's frame, struct pass_host_push. */
+ * the sample's index; a count of points; what a draw's radii are multiplied by and its slabs
+ * shifted by; then, of a host's frame, struct pass_host_push. */
 #define PASS_PUSH_FIRST  0
 #define PASS_PUSH_SAMPLE 4
 #define PASS_PUSH_COUNT  8
