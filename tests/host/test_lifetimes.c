@@ -145,7 +145,7 @@ static void test_memory_of_the_host(void **state)
         struct stp_host_frame_params params = floats;
         struct stp_device_memory scratch;
         VkMemoryRequirements needs;
-        assert_int_equal(stp_frame_scratch(&s.engine.env, context, plan, &needs), STP_OK);
+        assert_int_equal(stp_frame_scratch(&s.engine.env, context, plan, &params, &needs), STP_OK);
         assert_true(needs.memoryTypeBits != 0 && needs.size > 0);
         assert_int_equal(give(&counting, &needs, 0, &scratch), VK_SUCCESS);
         params.scratch = &scratch;
@@ -203,7 +203,9 @@ static struct stp_scene *three(struct engine *e, double shift)
     const double position[3][3] = { { shift, 0, 0 }, { -0.5, 0.3, 0.2 }, { -0.5, -0.4, -0.2 } };
     const float normal[3][3] = { { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 } };
     const float radius[3] = { 0.3f, 0.3f, 0.3f };
-    struct stp_points points = { 3, position, normal, radius, NULL, NULL };
+    struct stp_points points = {
+        .count = 3, .position = position, .normal = normal, .radius = radius
+    };
     struct stp_scene *scene = NULL;
     assert_int_equal(stp_scene_create(&e->env, &scene), STP_OK);
     assert_int_equal(stp_scene_add_points(&e->env, scene, &points, NULL), STP_OK);
