@@ -266,10 +266,10 @@ const struct option_spec option_table[] = {
       value_bytes, AT(render.memory_limit), "a whole number above 0, K, M or G may follow", 0, 0,
       NULL },
 
-    { NULL, PICTURE, "axis-merge", 0, "blend|clip|single|sort",
+    { NULL, PICTURE, "axis-merge", 0, "auto|blend|clip|single|sort",
       "axis: which list serves a pixel; blend: those whose axes are nearly dominant on its ray, "
       "clip: the dominant one's, single: one for the picture, sort: one by distance from the eye "
-      "(default: blend)",
+      "(default: auto, of --method axis blend, of --method auto sort)",
       value_choice, AT(render.axis_merge), NULL, 0, 0, NULL },
     { NULL, PICTURE, "axis-h", 0, "H",
       "axis, blend: the share of the dominant component of a ray above which another axis's list "

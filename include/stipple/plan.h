@@ -34,10 +34,12 @@ enum stp_layers {
 };
 /* Which list serves a pixel (HM 3 and 5). */
 enum stp_axis_merge {
-    STP_AXIS_BLEND = 0, /* those that are nearly dominant on its ray, by Eq. 1 */
-    STP_AXIS_CLIP,      /* the one of its ray's dominant axis */
-    STP_AXIS_SINGLE,    /* Westover: one for the picture, of the view's axis */
-    STP_AXIS_SORT,      /* one, sorted by distance from the eye */
+    STP_AXIS_AUTO =
+        0,          /* of method axis: blend; of method auto: sort, but blend where an h is given */
+    STP_AXIS_BLEND, /* those that are nearly dominant on its ray, by Eq. 1 */
+    STP_AXIS_CLIP,  /* the one of its ray's dominant axis */
+    STP_AXIS_SINGLE, /* Westover: one for the picture, of the view's axis */
+    STP_AXIS_SORT,   /* one, sorted by distance from the eye */
 };
 enum stp_path { STP_PATH_AUTO = 0, STP_PATH_RASTER, STP_PATH_COMPUTE };
 enum stp_payload { STP_PAYLOAD_AUTO = 0, STP_PAYLOAD_ID, STP_PAYLOAD_PACKED };

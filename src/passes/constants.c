@@ -45,7 +45,7 @@ BINDING(STP_BINDING_POINTS, PLAN_TEXEL_POINTS);
 BINDING(STP_BINDING_RADII, PLAN_TEXEL_RADII);
 BINDING(STP_BINDING_AXIS_COLOR, PLAN_IMAGE_AXIS_COLOR);
 BINDING(STP_BINDING_AXIS_DEPTH, PLAN_IMAGE_AXIS_DEPTH);
-_Static_assert(STP_AXIS_MERGE_BLEND == STP_AXIS_BLEND && STP_AXIS_MERGE_CLIP == STP_AXIS_CLIP,
+_Static_assert(STP_AXIS_MERGE_CLIP - STP_AXIS_MERGE_BLEND == STP_AXIS_CLIP - STP_AXIS_BLEND,
                "merges");
 _Static_assert(offsetof(struct stp_frame_constants, axis) ==
                    offsetof(struct stp_frame_constants, lights) +

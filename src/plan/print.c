@@ -69,7 +69,7 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
 
 static void print_lists(FILE *out, const struct stp_plan *plan)
 {
-    static const char *const merges[] = { "blend", "clip", "single", "sort" };
+    static const char *const merges[] = { "auto", "blend", "clip", "single", "sort" };
     const struct axis_lists *lists = &plan->axis;
     fprintf(out, "lists: %s", merges[lists->merge]);
     if (lists->merge == STP_AXIS_BLEND)

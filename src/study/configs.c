@@ -161,7 +161,7 @@ static const char *voronoi_word(enum stp_voronoi voronoi)
 
 static const char *merge_word(enum stp_axis_merge merge)
 {
-    static const char *const words[] = { "blend", "clip", "single", "sort" };
+    static const char *const words[] = { "auto", "blend", "clip", "single", "sort" };
     return words[merge];
 }
 
