@@ -300,6 +300,8 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     enum stp_result result = choose_share(env, plan);
     if (result == STP_OK)
         result = choose_transparency(env, plan);
+    if (result == STP_OK)
+        result = plan_deep_check(env, plan);
     if (result != STP_OK)
         return result;
     if (plan->method == STP_METHOD_REFERENCE) {
