@@ -11,6 +11,7 @@
 #include "load/readers.h"
 #include "scene/camera_json.h"
 #include "scene/environment.h"
+#include "scene/phong.h"
 #include "scene/scene_json.h"
 
 /* True when the first byte that is no space is '{' (gzip or not); no point format starts so.
@@ -51,6 +52,8 @@ static void transform_cloud(struct cloud *cloud, const double m[16], double scal
         cloud->normal[i][0] = (float)n.x;
         cloud->normal[i][1] = (float)n.y;
         cloud->normal[i][2] = (float)n.z;
+        if (cloud->phong)
+            phong_transform(&cloud->phong[i], m, scale);
     }
 }
 
