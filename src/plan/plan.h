@@ -48,7 +48,7 @@ enum plan_constant {
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
     PLAN_HOST_DEPTH, /* enum plan_host_depth */
-    PLAN_DEEP, /* layers are kept one by one */
+    PLAN_DEEP,       /* layers are kept one by one */
     PLAN_CONSTANTS
 };
 
