@@ -6,6 +6,7 @@
 #include <stipple/plan.h>
 
 #include "prepare/axis_blocks.h"
+#include "scene/stream.h"
 #include "shared/frame.h"
 
 #define PLAN_MAX_RESOURCES 32
@@ -346,6 +347,8 @@ struct stp_plan {
     uint32_t chunk_count; /* 0: all points are there at once */
     uint32_t chunk_first, chunk_end;
     uint32_t chunk[PLAN_MAX_CHUNKS + 1];
+    uint32_t stream_count; /* chunks that the scene comes in itself; 0: it is in memory */
+    uint32_t stream[STREAM_MOST_CHUNKS + 1];
     uint32_t tile_width, tile_height; /* the largest */
     uint32_t levels;                  /* of the pyramid; 0: no pyramid */
     struct plan_grid grid;            /* of the whole picture */
