@@ -211,7 +211,10 @@ enum plan_shader {
     PLAN_SHADER_AXIS_PROJECT,
     PLAN_SHADER_AXIS_VERTEX,
     PLAN_SHADER_AXIS_FRAGMENT,
-    PLAN_SHADER_AXIS_BLOCK,
+    PLAN_SHADER_AXIS_BLOCK, /* then by subgroups; then of one walk and part; so below */
+    PLAN_SHADER_AXIS_BLOCK_GROUPED,
+    PLAN_SHADER_AXIS_BLOCK_PART,
+    PLAN_SHADER_AXIS_BLOCK_PART_GROUPED,
     PLAN_SHADER_AXIS_MERGE,
     PLAN_SHADER_AXIS_MERGE_SUMS,
     PLAN_SHADER_AXIS_EMPTY,
@@ -422,6 +425,8 @@ void plan_axis(struct stp_plan *plan);
 
 /* Their kernels, and by compute the blocks that they touch. */
 void plan_axis_resources(struct stp_plan *plan);
+/* Of a copy: the lists' arrays are the original's. */
+void plan_axis_forget(struct stp_plan *plan);
 
 /* plan/axis.c: the lists of the view, and what shaders need to know of the kernels. */
 enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,

@@ -40,7 +40,9 @@ struct record_frame {
     struct gpu_buffer remaining;                     /* STP_WORK_REMAINING, where the plan loops */
     VkQueryPool queries;                             /* RECORD_MAX_STEPS + 1; may be null */
     struct record_share *share;                      /* NULL: one process makes the picture */
-    struct record_deep *deep;                        /* NULL: layers are not read */
+    struct axis_lists axis;                          /* of record_view */
+    struct axis_blocks axis_blocks;
+    struct record_deep *deep; /* NULL: layers are not read */
 };
 
 /* resources.c: buffers and images of the lifetimes in `wanted` (1 << enum plan_lifetime, or-ed);
@@ -84,6 +86,15 @@ bool record_upload_points(const struct stp_env *env, struct record_frame *frame,
                           size_t count, enum stp_result *result);
 /* 32 bits of an octahedral map, as unpackSnorm2x16 reads them. */
 uint32_t record_octahedral(const float n[3]);
+
+/* axis.c: the lists of a view, or of its blocks, into the frame's buffers. */
+enum stp_result record_lists(const struct stp_env *env, struct record_frame *frame,
+                             const struct axis_lists *lists, const struct axis_blocks *blocks);
+/* What a changed camera takes of the CPU before a frame of a volume: its lists made again and
+ * handed to the device. For frames that are timed; the camera is the plan's, so that the lists are
+ * the ones that lie there. Nothing for other methods. */
+enum stp_result record_view(const struct stp_env *env, struct record_frame *frame,
+                            const struct stp_scene *scene);
 
 /* exchange.c: what several processes need beside a frame. */
 struct record_share {
@@ -194,6 +205,9 @@ enum stp_result record_deep_finish(const struct stp_env *env, const struct recor
 enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
                            const struct stp_scene *scene, struct stp_image *image, double *ms,
                            double *read_back_ms);
+/* A warm frame of a changed camera: with what the CPU does for it, and nothing is read. */
+enum stp_result record_again(const struct stp_env *env, struct record_frame *frame,
+                             const struct stp_scene *scene, double *ms);
 /* What the plan's shaders were chosen for must be enabled on this device. */
 enum stp_result record_check_features(const struct stp_env *env, const struct stp_context *context,
                                       const struct stp_plan *plan);
