@@ -69,6 +69,9 @@
 #define STP_BINDING_AXIS_COLOR 10
 #define STP_BINDING_AXIS_DEPTH 11
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
+#define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
+#define STP_DEEP_FLOATS        5
+#define STP_DEEP_MENDED        0x80000000u /* the ray is mended: its layers come a turn each */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
 #define STP_SUMS_NONE 0x7f8000007ffffffful
@@ -155,9 +158,11 @@ struct stp_frame_constants {
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
-    STP_ADDRESS(Vec4Ref, out_albedo); /* rgb, sum of weights */
-    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; nearest sample, hits; layers */
-    STP_DOUBLE rotation64[9];         /* WITH_FLOAT64: centres are projected in double */
+    STP_ADDRESS(Vec4Ref, out_albedo);   /* rgb, sum of weights */
+    STP_ADDRESS(UintRef, out_id);       /* canonical id, fragments; nearest sample, hits; layers */
+    STP_ADDRESS(FloatRef, deep_layers); /* STP_DEEP_WINDOW a pixel: depth, r g b, alpha */
+    STP_ADDRESS(UintRef, deep_counts);  /* layers of a pixel's ray; STP_DEEP_MENDED */
+    STP_DOUBLE rotation64[9];           /* WITH_FLOAT64: centres are projected in double */
     STP_DOUBLE translation64[3];
     STP_DOUBLE eye64[3]; /* relative to the origin; orthographic: the direction of sight */
     STP_DOUBLE focal64[2];
@@ -203,6 +208,7 @@ struct stp_frame_constants {
     STP_STRUCT(stp_axis_gpu) axis;
     float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
     STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];
+    uint deep_first; /* layers of a ray from here on are kept, STP_DEEP_WINDOW of them */
 };
 
 #ifndef GL_core_profile

@@ -105,6 +105,7 @@ struct stp_render_params {
     unsigned samples; /* stratified samples a pixel, at most 65536, rounded up to a square; 0: 1;
                          raster paths have no more than 1 */
     unsigned aovs;    /* enum stp_aov, or-ed */
+    bool deep;        /* the picture keeps its layers one by one: stp_image.deep */
     enum stp_axis_merge axis_merge;
     double axis_h;           /* axis, blend: [0, 1), lists whose axis has more than this share of
                                 the dominant one are merged; 0: 0.85; negative: 0 */
