@@ -265,14 +265,14 @@ static void without_subgroups(void **state)
     stp_scene_destroy(&scene);
 }
 
-/* Alpha is the same in every order: against the reference, whatever serves a pixel. */
+/* Alpha is the same in every order: against the reference, by two of the eight merges and paths. */
 static void expect_alpha(struct device *device, const struct stp_scene *scene,
-                         const struct stp_camera *camera, const char *what)
+                         const struct stp_camera *camera, int which, const char *what)
 {
     struct stp_render_params params = { .method = STP_METHOD_AXIS };
     struct stp_image *truth = render_volume(scene, camera, &params);
-    for (int n = 0; n < 8; n++) {
-        params.axis_merge = (enum stp_axis_merge)(STP_AXIS_BLEND + n / 2);
+    for (int n = 2 * which; n < 2 * which + 2; n++) {
+        params.axis_merge = (enum stp_axis_merge)(STP_AXIS_BLEND + n / 2 % 4);
         params.path = n % 2 ? STP_PATH_RASTER : STP_PATH_COMPUTE;
         struct stp_image *image = device_render(device, scene, camera, &params);
         for (uint32_t i = 0; i < camera->width * camera->height; i++) {
@@ -298,7 +298,7 @@ static void slabs_at_angles(void **state)
                                               (double[]){ 1, 1, flat ? 10 : 1 }, 0.15);
         struct stp_camera camera = flat_camera(24, 18, 2);
         look_at(&camera, v3(60 * sin(angle), 0, 60 * cos(angle)), v3(0, 0, 0));
-        expect_alpha(&device, scene, &camera, "slab");
+        expect_alpha(&device, scene, &camera, n, "slab");
         stp_scene_destroy(&scene);
     }
     device_close(&device);
@@ -321,7 +321,7 @@ static void extremes(void **state)
         struct stp_scene *scene = block_scene(cases[n].dims, cases[n].spacing, cases[n].opacity);
         struct stp_camera camera = plain_camera(24, 20, 40);
         look_at(&camera, v3(7, 8, 9), v3(0, 0, 0));
-        expect_alpha(&device, scene, &camera, cases[n].what);
+        expect_alpha(&device, scene, &camera, n, cases[n].what);
         stp_scene_destroy(&scene);
     }
     device_close(&device);
