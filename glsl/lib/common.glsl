@@ -25,6 +25,19 @@ struct OpticsData {
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer OpticsRef { OpticsData v[]; };
 
+struct PhongData {
+    vec3 u;
+    vec2 radius;
+    vec4 field;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PhongRef { PhongData v[]; };
+
+struct ClipData {
+    vec3 first, second;
+    uint reflex;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ClipRef { ClipData v[]; };
+
 #include "shared/frame.h"
 
 layout(set = 0, binding = 0, scalar) uniform Frame { stp_frame_constants frame; };
@@ -58,6 +71,7 @@ layout(constant_id = 27) const uint AXIS_PART = 0;
 layout(constant_id = 28) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
 layout(constant_id = 29) const bool MIXED = false;       // some splats are opaque, where others are not
 layout(constant_id = 30) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
+layout(constant_id = 31) const uint PHONG = 0;            // 0 all are discs, 1 ellipses, 2 some clipped
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

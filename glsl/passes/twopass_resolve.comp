@@ -32,10 +32,7 @@ void main()
                         sum(sums_at(pixel, 8), frame.color_scale));
     s.fragments = uint(sums_buffer().v[sums_at(pixel, 9)]);
     s.near_normal = vec3(0, 0, -1);
-    if (hit) {
-        Splat splat;
-        splat_load(s.id, splat);
-        s.near_normal = splat.normal;
-    }
+    if (hit)
+        s.near_normal = normal_again(s.id, p);
     surface_write(p, hit, s);
 }

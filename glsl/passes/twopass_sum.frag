@@ -20,7 +20,7 @@ void main()
     if (f.depth > nearest + epsilon)
         discard;
     float w = kernel_weight(f.rho2);
-    sum = vec4(w * vary_normal, w);
+    sum = vec4(w * normal_here(f), w);
     depth_sum = vec2(w * (f.depth - nearest) / epsilon, 1);
     color_sum = HAS_COLOR ? vec4(w * frame.colors.v[vary_id], w) : vec4(0);
 }

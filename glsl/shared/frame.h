@@ -102,6 +102,15 @@ struct stp_material_gpu {
     float epsilon;
 };
 
+struct stp_phong_gpu {
+    float u[3], radius[2], field[4];
+};
+
+struct stp_clip_gpu {
+    float line[2][3]; /* what is missing keeps all */
+    uint reflex;
+};
+
 struct stp_optics_gpu {
     float ior[3];
     float level; /* of the environment, the fraction mixes in the next one; below 0: unmet */
@@ -133,6 +142,8 @@ struct stp_frame_constants {
                 splats); /* 2 per splat: x y z radius; nx ny nz tag (STP_TAG_*, object << 8) */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
     STP_ADDRESS(FloatRef, opacities);    /* where they are not one for all */
+    STP_ADDRESS(PhongRef, ellipses);     /* with PHONG */
+    STP_ADDRESS(ClipRef, clips);         /* with PHONG 2 */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(OpticsRef, optics);      /* one an object; where surfaces meet the environment */
     STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */

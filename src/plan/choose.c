@@ -315,7 +315,9 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     if (plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the deferred method needs stp_scene_group before its plan");
-    result = choose_path(env, plan);
+    result = plan_check_phong(env, plan);
+    if (result == STP_OK)
+        result = choose_path(env, plan);
     if (result == STP_OK)
         result = choose_voronoi(env, plan);
     if (result != STP_OK)

@@ -159,6 +159,7 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     bool one = plan->facts.uniform_opacity && plan->facts.objects == 1;
     c[PLAN_OPACITY] = !plan->facts.transparent ? 0 : one ? 1 : 2;
     c[PLAN_MIXED] = plan->facts.mixed;
+    c[PLAN_PHONG] = plan->facts.clip_lines ? 2 : plan->facts.phong > 0;
     plan->frame.opacity = plan->facts.opacity_min;
 }
 

@@ -10,7 +10,7 @@
 
 #define PLAN_MAX_RESOURCES 32
 #define PLAN_MAX_PASSES    72 /* STP_MAX_GROUPS layers, and what comes after them */
-#define PLAN_MAX_ACCESSES  16
+#define PLAN_MAX_ACCESSES  20
 #define PLAN_NONE          255
 
 /* Specialisation constants; the order of glsl/lib/common.glsl. */
@@ -46,6 +46,7 @@ enum plan_constant {
     PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
+    PLAN_PHONG, /* 0: all are discs; 1: ellipses; 2: some have clip lines */
     PLAN_CONSTANTS
 };
 
@@ -59,6 +60,8 @@ enum plan_slot {
     PLAN_SPLATS,
     PLAN_COLORS,
     PLAN_OPACITIES,
+    PLAN_ELLIPSES,
+    PLAN_CLIPS,
     PLAN_MATERIALS,
     PLAN_OBJECT_OPTICS,
     PLAN_ENVIRONMENT,
@@ -204,6 +207,9 @@ enum plan_shader {
     PLAN_SHADER_DEFERRED_FRAGMENT_PACKED,
     PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT,
     PLAN_SHADER_TWOPASS_SUM_FRAGMENT,
+    PLAN_SHADER_RASTER_PHONG, /* the rasteriser's again, from its vertex shader on, for ellipses */
+    PLAN_SHADER_RASTER_PHONG_LAST =
+        PLAN_SHADER_RASTER_PHONG + PLAN_SHADER_TWOPASS_SUM_FRAGMENT - PLAN_SHADER_RASTER_VERTEX,
     PLAN_SHADER_HOST_VERTEX,
     PLAN_SHADER_HOST_FRAGMENT,
     PLAN_SHADER_HOST_FRAGMENT_DEPTH,
@@ -331,6 +337,7 @@ uint8_t plan_resource(struct stp_plan *plan, const char *name, enum plan_slot sl
 uint8_t plan_image(struct stp_plan *plan, const char *name, enum plan_slot slot,
                    enum plan_format format, uint32_t layers);
 struct plan_pass *plan_pass(struct stp_plan *plan, enum plan_kind kind, const char *name);
+/* PLAN_SPLATS: all that a splat is, where it is more than a disc. */
 void plan_reads(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 void plan_writes(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 void plan_updates(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
@@ -398,6 +405,12 @@ void plan_turn_environment(struct stp_plan *plan);
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
 /* Tiles of that size over the camera's picture. */
 void plan_place_tiles(struct stp_plan *plan);
+
+/* plan/phong.c: may this method draw ellipses? Logs why not. */
+enum stp_result plan_check_phong(const struct stp_env *env, const struct stp_plan *plan);
+void plan_phong_resources(struct stp_plan *plan);
+/* A shader of the rasteriser, as the plan's splats need it. */
+enum plan_shader plan_raster_shader(const struct stp_plan *plan, enum plan_shader shader);
 
 /* plan/plan.c */
 enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan,

@@ -49,6 +49,7 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
     if (plan->constant[PLAN_OPACITY] == 2)
         plan_resource(plan, "opacities", PLAN_OPACITIES, PLAN_SCENE, n * 4);
+    plan_phong_resources(plan);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
 }

@@ -33,8 +33,8 @@ static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan
                               enum plan_raster raster)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
-    pass->vertex = PLAN_SHADER_RASTER_VERTEX;
-    pass->shader = fragment;
+    pass->vertex = plan_raster_shader(plan, PLAN_SHADER_RASTER_VERTEX);
+    pass->shader = plan_raster_shader(plan, fragment);
     pass->raster = raster;
     pass->layer_count = 1;
     pass->splat_count = (uint32_t)plan->facts.splats;

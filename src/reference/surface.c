@@ -36,7 +36,7 @@ void nearest_take(struct nearest *nearest, uint32_t id, const struct disc *disc,
                   const struct fragment *fragment)
 {
     if (fragment->depth < nearest->depth)
-        *nearest = (struct nearest){ fragment->depth, id, disc->normal };
+        *nearest = (struct nearest){ fragment->depth, id, fragment_normal(disc, fragment) };
 }
 
 void sums_add(const struct view *view, struct sums *sums, uint32_t id, const struct disc *disc,
@@ -46,7 +46,7 @@ void sums_add(const struct view *view, struct sums *sums, uint32_t id, const str
     sums->weight += weight;
     sums->depth += weight * fragment->depth;
     sums->opacity += weight * splat_opacity(view, id);
-    sums->normal = v3_add(sums->normal, v3_scale(disc->normal, weight));
+    sums->normal = v3_add(sums->normal, v3_scale(fragment_normal(disc, fragment), weight));
     sums->albedo = v3_add(sums->albedo, v3_scale(splat_albedo(view, id), weight));
     sums->count++;
 }
