@@ -16,7 +16,7 @@
 #define REPORT   COMMAND_REPORT
 #define PICTURE  (RENDER | PLAN)
 #define VIEW     (RENDER | PLAN | REPORT)
-#define VOLUMES  (INFO | RENDER | PLAN)
+#define VOLUMES  (INFO | RENDER | PLAN | REPORT)
 #define POINTS   (RENDER | PLAN | PREPARE | REPORT)
 #define ALL      (INFO | RENDER | PLAN | PREPARE | COMPARE | DEVICES | REPORT)
 #define ABOVE_0  DBL_TRUE_MIN, DBL_MAX
@@ -158,7 +158,7 @@ const struct option_spec option_table[] = {
     { NULL, POINTS, "thickness", 0, "T",
       "of a layer of every transparent surface (default: that of the scene .json, else 1)",
       value_optics, AT(optics.thickness), "a number from 0", 0, 1e30, NULL },
-    { NULL, PICTURE, "layers", 0, "multi|single",
+    { NULL, VIEW, "layers", 0, "multi|single",
       "an environment is seen through transparent surfaces bent and absorbed by all layers, or by "
       "the nearest alone (default: multi)",
       value_choice, AT(render.layers), NULL, 0, 0, NULL },
@@ -281,9 +281,9 @@ const struct option_spec option_table[] = {
       value_flag, AT(calibrate), NULL, 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
-      "float64, storage-formats; may be repeated (default: none)",
+      "float64, storage-formats, independent-blend; may be repeated (default: none)",
       value_features, AT(render.mask_features),
-      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats with "
+      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, independent-blend with "
       "commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,

@@ -116,12 +116,23 @@ int find_camera(struct console *console, const struct settings *settings,
     return exit_of_input(frame_scene(settings, scene, camera));
 }
 
+static int cover_if_needed(struct console *console, const struct settings *settings,
+                           struct stp_scene *scene, const struct stp_limits *limits)
+{
+    const struct stp_facts *facts = stp_scene_facts(scene);
+    struct stp_cover_params params = { .groups = settings->group.max_groups };
+    if (facts->cover.groups || !stp_plan_needs_cover(facts, &settings->render, limits) ||
+        stp_scene_cover(&console->env, scene, &params) == STP_OK)
+        return EXIT_DONE;
+    return EXIT_FAILED;
+}
+
 static int group_if_needed(struct console *console, const struct settings *settings,
                            struct stp_scene *scene, const struct stp_limits *limits)
 {
     const struct stp_facts *facts = stp_scene_facts(scene);
     if (facts->grouping.groups || !stp_plan_needs_groups(facts, &settings->render, limits))
-        return EXIT_DONE;
+        return cover_if_needed(console, settings, scene, limits);
     if (stp_scene_group(&console->env, scene, &settings->group) == STP_OK)
         return EXIT_DONE;
     return EXIT_FAILED;

@@ -81,8 +81,9 @@ const uint ID_WORDS = (SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS) + ((AOVS & 4) == 0 ?
 #ifndef PUSH_MORE
 #define PUSH_MORE
 #endif
-// push_first: the first splat of a draw, or the level of a pyramid; push_count: points.
-layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; uint push_pad; PUSH_MORE };
+// push_first: the first splat of a draw, or the level of a pyramid; push_count: points; of a draw,
+// push_factor: of radii, push_shift: of its slabs, in slabs.
+layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; float push_factor; float push_shift; uint push_pad; PUSH_MORE };
 // Constant 22 is the size of a workgroup of the pyramid's passes.
 
 // An id that can be looked up, also of a lane that has none: loads are not always masked.

@@ -17,6 +17,9 @@ VARY(8) vec3 vary_field;   // the field's normal is vary_field + vary_field_s s 
 VARY(9) vec3 vary_field_s;
 VARY(10) vec3 vary_field_t;
 #endif
+#ifdef BLENDED
+VARY(7) vec4 vary_color; // shaded, or the albedo; opacity
+#endif
 
 #ifdef FRAGMENT
 // Discards where the pixel's ray misses the splat.
@@ -35,6 +38,9 @@ Fragment fragment_here()
     if (f.reach < 0) {
         Splat s;
         splat_load(vary_id, s);
+#ifdef BLENDED
+        s.radius *= push_factor;
+#endif
         hit = clipped_hit(s, pixel, fragment);
     } else {
         hit = footprint_hit(f, e, place_offset(f.p, pixel), fragment);

@@ -10,6 +10,13 @@ enum stp_result plan_check_phong(const struct stp_env *env, const struct stp_pla
         return log_error(env, STP_ERROR_ARGUMENT,
                          "method pyramid draws discs, and the scene has ellipses with normal "
                          "fields; use exact, deferred or two-pass");
+    if (plan->transparency == STP_TRANSPARENCY_FAST ||
+        plan->transparency == STP_TRANSPARENCY_NEAREST ||
+        plan->transparency == STP_TRANSPARENCY_PEEL)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "transparency %s draws discs, and the scene has ellipses with normal "
+                         "fields; use exact",
+                         stp_transparency_name(plan->transparency));
     if (plan->share.count)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "several processes make one picture of discs only, and the scene has "

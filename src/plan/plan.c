@@ -47,6 +47,20 @@ static void group_ranges(struct stp_plan *plan, const struct stp_scene *scene)
         plan->group_first[k + 1] = plan->group_first[k] + counts[k];
 }
 
+/* The extended groups, and the groups that they were extended from. */
+static void cover_ranges(struct stp_plan *plan, const struct stp_scene *scene)
+{
+    const struct cover_groups *cover = &scene->cover;
+    uint32_t counts[STP_MAX_GROUPS] = { 0 };
+    for (size_t i = 0; i < scene->splats.count; i++)
+        if (cover->home[i] < cover->groups)
+            counts[cover->home[i]]++;
+    for (unsigned k = 0; k < cover->groups; k++) {
+        plan->group_first[k + 1] = plan->group_first[k] + counts[k];
+        plan->cover_first[k + 1] = cover->first[k + 1];
+    }
+}
+
 static enum stp_result fill(const struct stp_env *env, struct stp_plan *plan,
                             const struct stp_scene *scene)
 {
@@ -59,7 +73,9 @@ static enum stp_result fill(const struct stp_env *env, struct stp_plan *plan,
     if (result != STP_OK)
         return result;
     plan->frame.axis.splats = (uint32_t)plan->axis.count;
-    if (plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED)
+    if (plan_covers(plan))
+        cover_ranges(plan, scene);
+    else if (plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED)
         group_ranges(plan, scene);
     return plan_tiles(env, plan);
 }

@@ -12,6 +12,7 @@
 #define PLAN_MAX_PASSES    72 /* STP_MAX_GROUPS layers, and what comes after them */
 #define PLAN_MAX_ACCESSES  20
 #define PLAN_NONE          255
+#define PLAN_MAX_CHUNKS    256
 
 /* Specialisation constants; the order of glsl/lib/common.glsl. */
 enum plan_constant {
@@ -167,9 +168,13 @@ enum plan_shader {
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE,
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR,
     PLAN_SHADER_PYRAMID_PROJECT,
+    PLAN_SHADER_PYRAMID_PROJECT32,
+    PLAN_SHADER_PYRAMID_PROJECT_ID32,
     PLAN_SHADER_PYRAMID_BLOCKS,
     PLAN_SHADER_PYRAMID_RIM_FIND,
     PLAN_SHADER_PYRAMID_RIM_SPLAT,
+    PLAN_SHADER_PYRAMID_RIM_SPLAT32,
+    PLAN_SHADER_PYRAMID_RIM_SPLAT_ID32,
     PLAN_SHADER_PYRAMID_GATHER, /* then with colours; then with ids and objects; so below */
     PLAN_SHADER_PYRAMID_GATHER_COLOR,
     PLAN_SHADER_PYRAMID_GATHER_ALL,
@@ -210,6 +215,16 @@ enum plan_shader {
     PLAN_SHADER_RASTER_PHONG, /* the rasteriser's again, from its vertex shader on, for ellipses */
     PLAN_SHADER_RASTER_PHONG_LAST =
         PLAN_SHADER_RASTER_PHONG + PLAN_SHADER_TWOPASS_SUM_FRAGMENT - PLAN_SHADER_RASTER_VERTEX,
+    PLAN_SHADER_PEEL_DEPTH_FRAGMENT,
+    PLAN_SHADER_PEEL_SUM_FRAGMENT,
+    PLAN_SHADER_PEEL_RESOLVE,
+    PLAN_SHADER_PEEL_RESOLVE_COLOR,
+    PLAN_SHADER_TRANSPARENT_VERTEX,
+    PLAN_SHADER_TRANSPARENT_BLEND_FRAGMENT,
+    PLAN_SHADER_TRANSPARENT_OTHERS_FRAGMENT,
+    PLAN_SHADER_TRANSPARENT_MASK,
+    PLAN_SHADER_TRANSPARENT_COMPOSITE,
+    PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST,
     PLAN_SHADER_HOST_VERTEX,
     PLAN_SHADER_HOST_FRAGMENT,
     PLAN_SHADER_HOST_FRAGMENT_DEPTH,
@@ -239,7 +254,9 @@ struct plan_access {
 enum plan_raster {
     PLAN_RASTER_WINNER, /* depth test and write, ids out */
     PLAN_RASTER_BLEND,  /* additive, no depth */
-    PLAN_RASTER_OVER,   /* premultiplied, over what is there, no depth */
+    /* Premultiplied, over what is there; ids are replaced. Depth test and write, where the pass has
+     * a depth image. */
+    PLAN_RASTER_OVER,
 };
 
 enum plan_exchange {
@@ -259,10 +276,13 @@ struct plan_pass {
     uint32_t groups;                   /* DISPATCH: workgroups; 0: one a block of the tile */
     uint32_t level;                    /* pyramid: the level that is written */
     bool of_grid;                      /* DISPATCH: one a block of that level of the tile's grid */
+    bool of_points;                    /* DISPATCH: one a run of the points on the device */
     bool repair;                       /* specialised with PLAN_REPAIR on */
     uint32_t layer, layer_count;       /* DRAW: of the attachments; axis: the walk */
     uint32_t part;                     /* axis: of a walk's lists */
     uint32_t first_splat, splat_count; /* DRAW */
+    float scale;                       /* DRAW: of radii; 0: 1 */
+    float shift;                       /* DRAW: of slabs, in slabs */
     uint8_t access_count;
     struct plan_access access[PLAN_MAX_ACCESSES];
 };
@@ -311,6 +331,11 @@ struct stp_plan {
     /* Passes [loop_first, repeat_end) are run again and again, for as long as they leave
      * STP_WORK_REMAINING set; not at all when it was not. 0: none are. */
     uint32_t loop_first;
+    /* Points that the device cannot hold at once pass through its buffers in chunks: passes
+     * [chunk_first, chunk_end) are run once a chunk, of points [chunk[i], chunk[i + 1]). */
+    uint32_t chunk_count; /* 0: all points are there at once */
+    uint32_t chunk_first, chunk_end;
+    uint32_t chunk[PLAN_MAX_CHUNKS + 1];
     uint32_t tile_width, tile_height; /* the largest */
     uint32_t levels;                  /* of the pyramid; 0: no pyramid */
     struct plan_grid grid;            /* of the whole picture */
@@ -320,6 +345,7 @@ struct stp_plan {
     struct axis_blocks axis_blocks;           /* by compute */
     double environment_axes[3][3];            /* world: right of the map's centre, up, its centre */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
+    uint32_t cover_first[STP_MAX_GROUPS + 1]; /* fast, nearest: members of a group there */
 };
 
 /* plan/plan.c: can these be planned with at all? Logs why not. */
@@ -328,6 +354,18 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
 
 /* plan/choose.c: method, path, payload, voronoi and why. */
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
+
+/* plan/transparency.c: AUTO where nothing is transparent; the method whose passes composite such
+ * layers; checks what was asked for; why. */
+enum stp_transparency plan_resolve_transparency(const struct stp_facts *facts,
+                                                const struct stp_render_params *params,
+                                                const struct stp_limits *limits);
+enum stp_method plan_transparency_method(enum stp_transparency transparency);
+enum stp_result plan_choose_transparency(const struct stp_env *env, struct stp_plan *plan);
+void plan_explain_layers(struct stp_plan *plan);
+/* Takes the groups that each cover the surface, back to front (ZP Algorithms 2 and 3). */
+bool plan_covers(const struct stp_plan *plan);
+
 /* The reference in place of what was chosen: the device cannot hold the scene. */
 void plan_leave_device(struct stp_plan *plan);
 
@@ -382,9 +420,17 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
 void plan_pyramid(struct stp_plan *plan);
 void plan_pyramid_resources(struct stp_plan *plan);
 void plan_pyramid_view(struct stp_plan *plan); /* levels, grid and constants; once a plan */
+/* plan/pyramid_chunks.c: the points on the device at once, at most. */
+uint64_t plan_chunk_points(const struct stp_plan *plan);
+/* Cuts the points into chunks where the device cannot hold them all; false: not even so. */
+bool plan_pyramid_chunks(struct stp_plan *plan);
 struct plan_grid plan_tile_grid(const struct stp_plan *plan, const struct plan_tile *tile);
 /* Workgroups of a pass over one level of a grid. */
 uint32_t plan_level_blocks(const struct plan_grid *grid, uint32_t level);
+void plan_transparent(struct stp_plan *plan);
+/* Resources and passes before those that are repeated for every layer; then these. */
+void plan_peel_begin(struct stp_plan *plan);
+void plan_peel(struct stp_plan *plan);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
@@ -419,6 +465,8 @@ enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan
 /* Words of out_id a pixel: see STP_ID_WORDS; one more, the last, where layers are counted. */
 uint32_t plan_id_words(const struct stp_plan *plan);
 
+/* How often the repeated passes run: once a sample, or once a layer that is peeled. */
+uint32_t plan_repeats(const struct stp_plan *plan);
 /* How many samples a pixel has: the square of PLAN_SAMPLE_GRID. */
 uint32_t plan_samples(const struct stp_plan *plan);
 

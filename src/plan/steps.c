@@ -107,6 +107,14 @@ uint32_t plan_samples(const struct stp_plan *plan)
     return plan->constant[PLAN_SAMPLE_GRID] * plan->constant[PLAN_SAMPLE_GRID];
 }
 
+uint32_t plan_repeats(const struct stp_plan *plan)
+{
+    uint32_t layers = plan->params.peel_layers;
+    if (plan->transparency != STP_TRANSPARENCY_PEEL)
+        return plan_samples(plan);
+    return layers ? layers : STP_DEFAULT_PEEL_LAYERS;
+}
+
 uint32_t plan_id_words(const struct stp_plan *plan)
 {
     return (plan_samples(plan) > 1 ? STP_ID_WORDS : 2) +

@@ -41,6 +41,10 @@ static enum stp_result check(const struct stp_env *env, const struct stp_context
     if (plan->method == STP_METHOD_PYRAMID)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "method pyramid is not drawn into a host's frame; use exact or deferred");
+    if (plan_covers(plan) || plan->transparency == STP_TRANSPARENCY_PEEL)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "transparency %s is not drawn into a host's frame; use exact",
+                         stp_transparency_name(plan->transparency));
     if (pass_host_most(params->color_format) == 0)
         return log_error(env, STP_ERROR_ARGUMENT, "VkFormat %d is no color format of a target",
                          params->color_format);

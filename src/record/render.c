@@ -106,7 +106,10 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
             part++;
             continue;
         }
-        result = run_part(env, frame, tile, part, pass_ms != NULL);
+        if (frame->plan->chunk_count)
+            result = record_upload_chunk(env, frame, scene, part % frame->plan->chunk_count);
+        if (result == STP_OK)
+            result = run_part(env, frame, tile, part, pass_ms != NULL);
         if (result == STP_OK && pass_ms)
             result = add_timestamps(env, frame, part, pass_ms);
         if (frame->share)
@@ -114,6 +117,10 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
         if (result == STP_OK)
             result = read_remaining(env, frame, &remaining);
         part += !loops;
+        if (frame->plan->chunk_count && !pass_ms)
+            log_progress(env, "render",
+                         ((double)(tile - frame->plan->tile) + (double)part / parts) /
+                             frame->plan->tile_count);
     }
     return result;
 }
@@ -123,7 +130,12 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
                            double *read_back_ms)
 {
     const struct stp_plan *plan = frame->plan;
-    *ms = *read_back_ms = 0;
+    double begin = now_ms();
+    enum stp_result ordered = record_order(env, frame, scene);
+    if (ordered != STP_OK)
+        return ordered;
+    *ms = now_ms() - begin;
+    *read_back_ms = 0;
     for (uint32_t i = 0; i < plan->tile_count; i++) {
         double start = now_ms();
         enum stp_result result = run_tile(env, frame, scene, &plan->tile[i], NULL);
@@ -214,6 +226,7 @@ enum stp_result record_check_features(const struct stp_env *env, const struct st
     } needs[] = { { plan->constant[PLAN_FLOAT64], STP_FEATURE_FLOAT64 },
                   { plan->constant[PLAN_LAYERED], STP_FEATURE_VERTEX_LAYER },
                   { plan->path == STP_PATH_RASTER, STP_FEATURE_STORAGE_FORMATS },
+                  { plan_covers(plan), STP_FEATURE_INDEPENDENT_BLEND },
                   { plan->path == STP_PATH_COMPUTE && plan->constant[PLAN_ATOMIC64],
                     STP_FEATURE_INT64_ATOMICS } };
     for (unsigned i = 0; i < sizeof needs / sizeof *needs; i++)

@@ -23,6 +23,7 @@ void environment_release(struct scene_environment *environment)
 void cover_groups_release(struct cover_groups *groups)
 {
     mem_free(groups->node);
+    mem_free(groups->home);
     *groups = (struct cover_groups){ 0 };
 }
 

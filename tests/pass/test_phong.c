@@ -163,7 +163,7 @@ static void test_across_near(void **state)
         e = ellipse(scene, 0, 0.5, 1e3, 30);
         e.clips = 1;
         memcpy(e.clip[0], (float[3]){ 1, 0.2f, -0.002f }, sizeof e.clip[0]);
-        memcpy(e.field, (float[4]){ 0.1f, 2, -0.2f, 0.4f }, sizeof e.field);
+        memcpy(e.field, (float[4]){ -0.3f, 2, 0.4f, 0.4f }, sizeof e.field);
         scene_bend(scene, 0, &e);
         scene_add(scene, v3(0.5, 2, 0.5), v3(0, -1, 0.02), 50);
         e = ellipse(scene, 1, 2.5, 3, 50);
@@ -202,11 +202,60 @@ static void test_layers(void **state)
             scene_fade(scene, at, (float)(0.1 + 0.5 * uniform(&seed)));
         }
         scene_finish(scene);
-        for (p.payload = STP_PAYLOAD_PACKED; p.payload <= STP_PAYLOAD_ID; p.payload++)
+        for (p.payload = STP_PAYLOAD_ID; p.payload <= STP_PAYLOAD_PACKED; p.payload++)
             expect_reference(&device, scene, &camera, &p, &layers_tolerance,
                              many ? "many layers" : "layers");
         stp_scene_destroy(&scene);
     }
+}
+
+/* Points in the order that `stride`, prime to their number, gives: some of one place and normal. */
+#define POINTS 200
+static struct stp_scene *points_scene(const struct stp_env *env, unsigned stride)
+{
+    static double position[POINTS][3];
+    static float normal[POINTS][3];
+    static struct stp_phong_splat phong[POINTS];
+    struct stp_scene *scene = NULL, *one = random_scene(31, POINTS, true);
+    const struct splats *s = &one->splats;
+    for (unsigned i = 0; i < POINTS; i++) {
+        unsigned at = i * stride % POINTS, from = i % 10 ? i : 5;
+        memcpy(position[at], s->position[from], sizeof *position);
+        memcpy(normal[at], s->normal[from], sizeof *normal);
+        phong[at] = s->phong[from];
+        phong[at].field[1] += 0.01f * (float)i;
+    }
+    struct stp_points points = {
+        .count = POINTS, .position = position, .normal = normal, .phong = phong
+    };
+    assert_int_equal(stp_scene_create(env, &scene), STP_OK);
+    assert_int_equal(stp_scene_add_points(env, scene, &points, NULL), STP_OK);
+    assert_int_equal(stp_scene_prepare(env, scene, NULL), STP_OK);
+    stp_scene_destroy(&one);
+    return scene;
+}
+
+static void test_same_bits(void **state)
+{
+    static const struct stp_render_params ways[] = {
+        { .method = STP_METHOD_EXACT, .payload = STP_PAYLOAD_PACKED },
+        { .method = STP_METHOD_EXACT, .payload = STP_PAYLOAD_ID },
+        { .method = STP_METHOD_TWO_PASS },
+        { .method = STP_METHOD_TWO_PASS, .path = STP_PATH_RASTER },
+    };
+    struct stp_env other = { .threads = 3 };
+    struct stp_scene *a = points_scene(&device.env, 1), *b = points_scene(&other, 73);
+    struct stp_camera camera = hard_view(0, 61, 47);
+    assert_true(a->facts.phong > POINTS / 2 && a->facts.clip_lines > POINTS / 4);
+    for (unsigned i = 0; i < sizeof ways / sizeof *ways; i++) {
+        struct stp_image *x = device_render(&device, a, &camera, &ways[i]);
+        struct stp_image *y = device_render(&device, b, &camera, &ways[i]);
+        expect_same_bits(x, y, "shuffled ellipses");
+        stp_image_destroy(&x);
+        stp_image_destroy(&y);
+    }
+    stp_scene_destroy(&a);
+    stp_scene_destroy(&b);
 }
 
 int main(void)
@@ -214,7 +263,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_random_views), cmocka_unit_test(test_floors),
         cmocka_unit_test(test_tilts),        cmocka_unit_test(test_across_near),
-        cmocka_unit_test(test_layers),
+        cmocka_unit_test(test_layers),       cmocka_unit_test(test_same_bits),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

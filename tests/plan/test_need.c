@@ -138,6 +138,15 @@ static void all_glass(struct inputs *in)
     in->scene->facts.absorbs = true;
     in->params.layers = STP_LAYERS_SINGLE;
 }
+static void ellipses(struct inputs *in)
+{
+    in->scene->facts.phong = 7;
+}
+static void clipped(struct inputs *in)
+{
+    in->scene->facts.phong = 7;
+    in->scene->facts.clip_lines = 3;
+}
 static void gpu(struct inputs *in)
 {
     in->limits.processor = 2;
@@ -195,6 +204,9 @@ static const struct feature {
     { "opacities", mixed, EXACT, "+opacities", "+mend layer", PLAN_OPACITY, 2 },
     { "opacities", mixed, EXACT, "+slot ids", "-repair sum", PLAN_MIXED, 1 },
     { "layers", mixed, EXACT, "+id", NULL, PLAN_AOVS, PLAN_AOVS_ID | PLAN_AOVS_LAYERS },
+    { "ellipses", ellipses, ALL, "+ellipses", NULL, PLAN_PHONG, 1 },
+    { "clip lines", clipped, ALL, "+ellipses", NULL, PLAN_PHONG, 2 },
+    { "clip lines", clipped, ALL, "+clip lines", NULL, -1, 0 },
     { "a GPU", gpu, LAYERS, "-order", "-layer 3", PLAN_LAYERED, 1 },
     { "a GPU", gpu, EXACT | TWO_PASS | TWO_PASS_RASTER | KEYS, NULL, NULL, PLAN_LAYERED, 0 },
     { "no atomics", no_atomics, TWO_PASS, NULL, "+nearest id", PLAN_ATOMIC64, 0 },

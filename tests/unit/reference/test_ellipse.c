@@ -149,17 +149,18 @@ static size_t compare_view(struct ellipses *e, int view)
             struct vec3 n = field(e, id, at.s, at.t);
             covered++;
             assert_int_equal(id_at(image, i, j), 1000 + id);
-            close_to(value(image, "Z", i, j), at.depth, 2e-7 * fabs(at.depth) + 1e-8);
-            close_to(value(image, "weight", i, j), 1 - at.s * at.s - at.t * at.t, 1e-6);
-            close_to(value(image, "N.X", i, j), n.x, 1e-6);
-            close_to(value(image, "N.Y", i, j), n.y, 1e-6);
-            close_to(value(image, "N.Z", i, j), n.z, 1e-6);
+            close_to(value(image, "Z", i, j), at.depth, 1e-6 * (1 + fabs(at.depth)));
+            close_to(value(image, "weight", i, j), 1 - at.s * at.s - at.t * at.t, 3e-6);
+            close_to(value(image, "N.X", i, j), n.x, 3e-6);
+            close_to(value(image, "N.Y", i, j), n.y, 3e-6);
+            close_to(value(image, "N.Z", i, j), n.z, 3e-6);
         }
     stp_image_destroy(&image);
     return covered;
 }
 
-/* Epsilon so small that only the nearest counts: its place and normal are the pixel's. */
+/* Epsilon so small that only the nearest counts: its place and normal are the pixel's. u is at
+ * right angles to n to float32 only, and two ways to span the plane differ by as much. */
 static void test_views(void **state)
 {
     for (int view = 0; view < VIEWS; view++) {
