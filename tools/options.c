@@ -205,6 +205,11 @@ const struct option_spec option_table[] = {
     { NULL, VIEW, "cull", 0, "none|back",
       "leave out splats that face away from the eye (default: none)",
       value_choice, AT(render.cull), NULL, 0, 0, NULL },
+    { NULL, VIEW, "shade", 0, "pixel|splat|flat",
+      "pixel: average normals, then shade once; splat: shade every splat, then average colours; "
+      "flat: the nearest splat alone, by its one normal. The latter two by two-pass or reference "
+      "(default: pixel)",
+      value_choice, AT(render.shade), NULL, 0, 0, NULL },
     { NULL, VIEW, "local-viewer", 0, NULL,
       "highlights seen from the eye's place (default: from its direction, one for the picture)",
       value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },

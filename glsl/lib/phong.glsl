@@ -48,7 +48,7 @@ Phong phong_load(uint id, vec3 normal, vec3 turned, float side)
     e.u = u;
     e.v = v;
     e.radius = d.radius;
-    e.field = d.field;
+    e.field = SHADE == 2 ? vec4(0) : d.field;
     e.side = side;
     if (HAS_UNKNOWN && d.u == vec3(0))
         phong_disc(turned, d.radius.x, e);
@@ -61,6 +61,8 @@ Phong phong_load(uint id, vec3 normal, vec3 turned, float side)
 bool phong_faces(uint id, vec3 normal, REAL3 towards)
 {
     PhongData d = frame.ellipses.v[splat_known(id)];
+    if (SHADE == 2)
+        return false; // its one normal was asked already
     REAL3 n = REAL3(normal), u = REAL3(d.u), v = cross(n, u);
     vec2 r = ORTHOGRAPHIC ? vec2(0) : d.radius;
     REAL along_u = dot(u, towards), along_v = dot(v, towards);

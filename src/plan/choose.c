@@ -18,6 +18,8 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
         return plan_transparency_method(transparency);
     if (params->method != STP_METHOD_AUTO)
         return params->method;
+    if (params->shade != STP_SHADE_PIXEL)
+        return STP_METHOD_TWO_PASS;
     return facts->volume.dims[0] ? STP_METHOD_AXIS : STP_METHOD_EXACT;
 }
 
@@ -248,6 +250,9 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     if (result != STP_OK)
         return result;
     plan->method = resolve_method(&plan->facts, &plan->params, &plan->limits);
+    result = plan_check_shade(env, plan);
+    if (result != STP_OK)
+        return result;
     if (plan->method == STP_METHOD_REFERENCE) {
         explain(plan);
         return STP_OK;

@@ -48,6 +48,7 @@ enum plan_constant {
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
     PLAN_PHONG, /* 0: all are discs; 1: ellipses; 2: some have clip lines */
+    PLAN_SHADE, /* enum stp_shade */
     PLAN_CONSTANTS
 };
 
@@ -451,6 +452,11 @@ void plan_turn_environment(struct stp_plan *plan);
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
 /* Tiles of that size over the camera's picture. */
 void plan_place_tiles(struct stp_plan *plan);
+
+/* plan/shade.c: can light be computed as asked? Logs why not. */
+enum stp_result plan_check_shade(const struct stp_env *env, const struct stp_plan *plan);
+/* The most that one splat's fragment can shine, by any of the scene's lights. */
+double plan_most_light(const struct stp_plan *plan, const struct stp_scene *scene);
 
 /* plan/phong.c: may this method draw ellipses? Logs why not. */
 enum stp_result plan_check_phong(const struct stp_env *env, const struct stp_plan *plan);

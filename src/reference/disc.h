@@ -13,6 +13,7 @@ struct view {
     struct eye eye;
     uint32_t width, height;
     enum stp_kernel kernel;
+    enum stp_shade shade;
     bool single_layer; /* --layers single */
     bool cull_back, two_sided, local_viewer;
     bool transparent; /* pixels are layers (layers.c) */

@@ -18,7 +18,7 @@ bool ellipse_setup(const struct view *view, size_t id, struct disc *disc)
     for (int i = 0; i < 2; i++)
         e->radius[i] = p->radius[i];
     for (int i = 0; i < 4; i++)
-        e->field[i] = p->field[i];
+        e->field[i] = view->shade == STP_SHADE_FLAT ? 0 : p->field[i];
     e->clips = p->clips;
     e->reflex = p->reflex;
     for (int i = 0; i < 6; i++)

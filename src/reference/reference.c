@@ -58,6 +58,10 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (!(params->epsilon >= 0) || isnan(params->min_splat))
         return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g or min-splat %g is out of range",
                          params->epsilon, params->min_splat);
+    if (params->shade != STP_SHADE_PIXEL &&
+        (scene->facts.transparent || scene->environment.map.width))
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "--shade splat and flat draw opaque scenes without an environment");
     if (params->environment_behind && !scene->environment.map.width)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the scene has no environment to stand behind it");
@@ -71,6 +75,7 @@ struct view reference_view(const struct stp_scene *scene, const struct stp_camer
                          .width = camera->width,
                          .height = camera->height,
                          .kernel = params->kernel,
+                         .shade = params->shade,
                          .single_layer = params->layers == STP_LAYERS_SINGLE,
                          .cull_back = params->cull == STP_CULL_BACK,
                          .two_sided = scene->facts.two_sided,

@@ -147,6 +147,14 @@ static void clipped(struct inputs *in)
     in->scene->facts.phong = 7;
     in->scene->facts.clip_lines = 3;
 }
+static void shade_splats(struct inputs *in)
+{
+    in->params.shade = STP_SHADE_SPLAT;
+}
+static void shade_flat(struct inputs *in)
+{
+    in->params.shade = STP_SHADE_FLAT;
+}
 static void gpu(struct inputs *in)
 {
     in->limits.processor = 2;
@@ -207,6 +215,9 @@ static const struct feature {
     { "ellipses", ellipses, ALL, "+ellipses", NULL, PLAN_PHONG, 1 },
     { "clip lines", clipped, ALL, "+ellipses", NULL, PLAN_PHONG, 2 },
     { "clip lines", clipped, ALL, "+clip lines", NULL, -1, 0 },
+    { "splats that are shaded", shade_splats, TWO_PASS, NULL, NULL, PLAN_SHADE, 1 },
+    { "splats that are shaded", shade_splats, TWO_PASS_RASTER, "+color sum", NULL, PLAN_SHADE, 1 },
+    { "flat splats", shade_flat, TWO_PASS, NULL, "-sum", PLAN_SHADE, 2 },
     { "a GPU", gpu, LAYERS, "-order", "-layer 3", PLAN_LAYERED, 1 },
     { "a GPU", gpu, EXACT | TWO_PASS | TWO_PASS_RASTER | KEYS, NULL, NULL, PLAN_LAYERED, 0 },
     { "no atomics", no_atomics, TWO_PASS, NULL, "+nearest id", PLAN_ATOMIC64, 0 },

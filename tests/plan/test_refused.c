@@ -67,6 +67,21 @@ static void shared_ellipses(struct inputs *in)
     in->scene->facts.phong = 1;
     in->scene->share.count = 2;
 }
+static void exact_shades_splats(struct inputs *in)
+{
+    in->params.method = STP_METHOD_EXACT;
+    in->params.shade = STP_SHADE_SPLAT;
+}
+static void flat_by_raster(struct inputs *in)
+{
+    in->params.path = STP_PATH_RASTER;
+    in->params.shade = STP_SHADE_FLAT;
+}
+static void shaded_albedo(struct inputs *in)
+{
+    in->params.aovs = STP_AOV_ALBEDO;
+    in->params.shade = STP_SHADE_SPLAT;
+}
 static void no_width(struct inputs *in)
 {
     in->camera.width = 0;
@@ -200,6 +215,9 @@ static const struct {
     { pyramid_of_ellipses, STP_ERROR_ARGUMENT, "draws discs" },
     { peel_of_ellipses, STP_ERROR_ARGUMENT, "peel draws discs" },
     { shared_ellipses, STP_ERROR_ARGUMENT, "several processes" },
+    { exact_shades_splats, STP_ERROR_ARGUMENT, "two-pass or reference" },
+    { flat_by_raster, STP_ERROR_ARGUMENT, "no raster path" },
+    { shaded_albedo, STP_ERROR_ARGUMENT, "albedo" },
     { no_width, STP_ERROR_ARGUMENT, "0 x 48" },
     { no_height, STP_ERROR_ARGUMENT, "64 x 0" },
     { too_wide, STP_ERROR_ARGUMENT, "65537 x 48" },
