@@ -119,6 +119,14 @@ const struct option_spec option_table[] = {
     { NULL, POINTS, "transfer", 0, "auto|srgb|linear",
       "how colours are stored (default: auto, 8- and 16-bit sRGB, float linear)",
       value_choice, AT(load.transfer), NULL, 0, 0, NULL },
+    { NULL, POINTS, "radius", 0, "R",
+      "of points that bring none, in scene units (default: from the spacing of their neighbours)",
+      value_intensity, AT(load.radius), "a number above 0", ABOVE_0, NULL },
+    { NULL, PICTURE, "stream", 0, "auto|on|off",
+      "leave the points of a binary PLY in the file and read them chunk by chunk; for method "
+      "pyramid, where there are normals, and radii or --radius (default: auto, from 2^24 points "
+      "on with --method pyramid)",
+      value_choice, AT(stream), NULL, 0, 0, NULL },
     { NULL, POINTS, "two-sided", 0, "auto|on|off",
       "turn normals to the eye (default: auto, on where they were estimated or point inward, or "
       "the surface is open)",

@@ -6,6 +6,7 @@
 #include <stipple/plan.h>
 
 #include "prepare/axis_blocks.h"
+#include "scene/stream.h"
 #include "shared/frame.h"
 
 #define PLAN_MAX_RESOURCES 32
@@ -47,6 +48,7 @@ enum plan_constant {
     PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
+    PLAN_HOST_DEPTH, /* enum plan_host_depth */
     PLAN_PHONG, /* 0: all are discs; 1: ellipses; 2: some have clip lines */
     PLAN_SHADE, /* enum stp_shade */
     PLAN_CONSTANTS
@@ -56,6 +58,14 @@ enum plan_constant {
 #define PLAN_AOVS_ALBEDO 1u
 #define PLAN_AOVS_ID     2u
 #define PLAN_AOVS_LAYERS 4u
+
+/* What the depth of a host's image is copied as, where it cuts layers. */
+enum plan_host_depth {
+    PLAN_HOST_DEPTH_NONE,
+    PLAN_HOST_DEPTH_FLOAT,
+    PLAN_HOST_DEPTH_24, /* in the low bits of a word */
+    PLAN_HOST_DEPTH_16,
+};
 
 /* What a buffer or image is for: a resource's address goes into the frame block by this. */
 enum plan_slot {
@@ -79,6 +89,8 @@ enum plan_slot {
     PLAN_SUMS,
     PLAN_PROJECTED,
     PLAN_AXIS_SUMS,
+    PLAN_HOST_WORDS,
+    PLAN_LIMITS,
     PLAN_OUT_COLOR,
     PLAN_OUT_NORMAL,
     PLAN_OUT_DEPTH,
@@ -226,6 +238,7 @@ enum plan_shader {
     PLAN_SHADER_TRANSPARENT_MASK,
     PLAN_SHADER_TRANSPARENT_COMPOSITE,
     PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST,
+    PLAN_SHADER_HOST_LIMITS,
     PLAN_SHADER_HOST_VERTEX,
     PLAN_SHADER_HOST_FRAGMENT,
     PLAN_SHADER_HOST_FRAGMENT_DEPTH,
@@ -239,6 +252,7 @@ enum plan_kind {
     PLAN_DISPATCH_INDIRECT, /* three words at `offset` of the work buffer */
     PLAN_DRAW,              /* three vertices a splat */
     PLAN_EXCHANGE,          /* between processes, by the host */
+    PLAN_COPY_DEPTH,        /* of a host's image, the tile's part */
 };
 
 enum plan_access_kind {
@@ -337,6 +351,8 @@ struct stp_plan {
     uint32_t chunk_count; /* 0: all points are there at once */
     uint32_t chunk_first, chunk_end;
     uint32_t chunk[PLAN_MAX_CHUNKS + 1];
+    uint32_t stream_count; /* chunks that the scene comes in itself; 0: it is in memory */
+    uint32_t stream[STREAM_MOST_CHUNKS + 1];
     uint32_t tile_width, tile_height; /* the largest */
     uint32_t levels;                  /* of the pyramid; 0: no pyramid */
     struct plan_grid grid;            /* of the whole picture */
@@ -463,6 +479,13 @@ enum stp_result plan_check_phong(const struct stp_env *env, const struct stp_pla
 void plan_phong_resources(struct stp_plan *plan);
 /* A shader of the rasteriser, as the plan's splats need it. */
 enum plan_shader plan_raster_shader(const struct stp_plan *plan, enum plan_shader shader);
+
+/* plan/host.c: makes of a plan's copy that of a frame whose layers a host's depth cuts: what lies
+ * behind it is not drawn. A plan without layers stays as it is. */
+enum stp_result plan_behind_host(const struct stp_env *env, struct stp_plan *plan,
+                                 enum plan_host_depth depth);
+/* The eye depth that ends each pixel's ray; nothing where no host's depth does. */
+void plan_limits(struct stp_plan *plan);
 
 /* plan/plan.c */
 enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan,
