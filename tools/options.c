@@ -218,6 +218,10 @@ const struct option_spec option_table[] = {
       "flat: the nearest splat alone, by its one normal. The latter two by two-pass or reference "
       "(default: pixel)",
       value_choice, AT(render.shade), NULL, 0, 0, NULL },
+    { NULL, VIEW, "light-cube", 0, "auto|on|off",
+      "look light up in a cube map over normals, made once a frame: for many directional lights "
+      "(default: auto, which is off: it is nowhere measured faster)",
+      value_choice, AT(render.light_cube), NULL, 0, 0, NULL },
     { NULL, VIEW, "local-viewer", 0, NULL,
       "highlights seen from the eye's place (default: from its direction, one for the picture)",
       value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },

@@ -23,12 +23,9 @@ vec3 unit_or_zero(vec3 v)
     return length2 > 0 ? v * inversesqrt(length2) : vec3(0);
 }
 
-vec3 shade_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
+// The sum over lights.
+vec3 lights_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
 {
-    if (HEAD_LIGHT && !LOCAL_VIEWER) {
-        float c = max(0, -n.z);
-        return albedo * (m.ambient + m.diffuse * c) + m.specular * power(c, m.shininess);
-    }
     vec3 color = vec3(0);
     vec3 view = LOCAL_VIEWER && !ORTHOGRAPHIC ? -normalize(p) : vec3(0, 0, -1);
     for (uint i = 0; i < frame.light_count; i++) {
@@ -44,6 +41,49 @@ vec3 shade_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
                           m.specular * power(c, m.shininess));
     }
     return color;
+}
+
+// Of a unit normal: where in the cube, and what is between four texels there.
+void cube_place(vec3 n, out uint corner, out vec2 part)
+{
+    vec3 a = abs(n);
+    float most = max(a.x, max(a.y, a.z));
+    uint axis = a.x == most ? 0 : a.y == most ? 1 : 2;
+    vec2 at = (axis == 0 ? n.yz : axis == 1 ? n.zx : n.xy) / most;
+    uint face = 2 * axis + (n[axis] < 0 ? 1 : 0);
+    vec2 place = (at + 1) * (0.5 * (STP_LIGHT_CUBE - 1)), low = min(floor(place), float(STP_LIGHT_CUBE - 2));
+    corner = (face * STP_LIGHT_CUBE + uint(low.y)) * STP_LIGHT_CUBE + uint(low.x);
+    part = place - low;
+}
+
+vec3 cube_read(uint corner, vec2 part, uint term)
+{
+    vec3 a = mix(frame.light_cube.v[2 * corner + term], frame.light_cube.v[2 * corner + 2 + term], part.x);
+    uint below = 2 * (corner + STP_LIGHT_CUBE) + term;
+    return mix(a, mix(frame.light_cube.v[below], frame.light_cube.v[below + 2], part.x), part.y);
+}
+
+vec3 cube_light(MaterialData m, vec3 albedo, vec3 n)
+{
+    uint corner;
+    vec2 part;
+    vec3 ambient = vec3(0);
+    for (uint i = 0; i < frame.light_count; i++)
+        ambient += vec3(frame.lights[i].color[0], frame.lights[i].color[1], frame.lights[i].color[2]);
+    cube_place(n, corner, part);
+    return albedo * (m.ambient * ambient + m.diffuse * cube_read(corner, part, 0)) +
+           m.specular * cube_read(corner, part, 1);
+}
+
+vec3 shade_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
+{
+    if (HEAD_LIGHT && !LOCAL_VIEWER) {
+        float c = max(0, -n.z);
+        return albedo * (m.ambient + m.diffuse * c) + m.specular * power(c, m.shininess);
+    }
+    if (LIGHT_CUBE)
+        return cube_light(m, albedo, n);
+    return lights_at(m, albedo, n, p);
 }
 
 vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)

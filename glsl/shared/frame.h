@@ -43,6 +43,7 @@
 #define STP_OPTICS_GLASS    64u  /* what is transparent refracts */
 #define STP_OPTICS_MULTI    128u /* by all its layers */
 #define STP_OPTICS_ABSORBS  256u /* some surface has an absorption */
+#define STP_LIGHT_CUBE      128u /* texels along an edge of a face; neighbours share their edges */
 #define STP_NO_ID           0xffffffffu
 /* Of a splat's tag: group, flags, object. */
 #define STP_TAG_GROUP     63u
@@ -147,6 +148,7 @@ struct stp_frame_constants {
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(OpticsRef, optics);      /* one an object; where surfaces meet the environment */
     STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */
+    STP_ADDRESS(Vec3Ref, light_cube);    /* 2 a texel: diffuse, specular; with LIGHT_CUBE */
     STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: by block */
     STP_ADDRESS(UintRef, work);      /* STP_WORK_* */
     STP_ADDRESS(UintRef, objects);   /* pyramid: of points; with HAS_OBJECTS */
@@ -159,8 +161,9 @@ struct stp_frame_constants {
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
     STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per splat of a list: centre, tau; colour */
     STP_ADDRESS(Vec4Ref, axis_sums); /* axis, compute: 2 a pixel and walk */
-    STP_ADDRESS(UintRef, host_words); /* the host's depth as it was copied, rows of what was copied */
-    STP_ADDRESS(FloatRef, limits);    /* the eye depth that ends each pixel's ray */
+    STP_ADDRESS(UintRef,
+                host_words);       /* the host's depth as it was copied, rows of what was copied */
+    STP_ADDRESS(FloatRef, limits); /* the eye depth that ends each pixel's ray */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);

@@ -103,6 +103,9 @@ struct stp_render_params {
     enum stp_voronoi voronoi;
     enum stp_kernel kernel;
     enum stp_shade shade;
+    enum stp_toggle light_cube; /* lighting looked up over normals (BSK 4.1): ON needs directional
+                                   lights, no local viewer and one shininess; AUTO: off, since it is
+                                   nowhere measured faster (docs/phong.md) */
     enum stp_cull cull;
     double epsilon;   /* 0: each object's own */
     double min_splat; /* least diameter of a projected splat, pixels; 0: 1.5; negative: off */

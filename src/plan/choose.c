@@ -251,6 +251,8 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         return result;
     plan->method = resolve_method(&plan->facts, &plan->params, &plan->limits);
     result = plan_check_shade(env, plan);
+    if (result == STP_OK)
+        result = plan_light_cube(env, plan);
     if (result != STP_OK)
         return result;
     if (plan->method == STP_METHOD_REFERENCE) {

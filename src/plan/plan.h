@@ -49,8 +49,9 @@ enum plan_constant {
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
     PLAN_HOST_DEPTH, /* enum plan_host_depth */
-    PLAN_PHONG, /* 0: all are discs; 1: ellipses; 2: some have clip lines */
-    PLAN_SHADE, /* enum stp_shade */
+    PLAN_PHONG,      /* 0: all are discs; 1: ellipses; 2: some have clip lines */
+    PLAN_SHADE,      /* enum stp_shade */
+    PLAN_LIGHT_CUBE,
     PLAN_CONSTANTS
 };
 
@@ -77,6 +78,7 @@ enum plan_slot {
     PLAN_MATERIALS,
     PLAN_OBJECT_OPTICS,
     PLAN_ENVIRONMENT,
+    PLAN_LIGHTS,
     PLAN_ORDER,
     PLAN_WORK,
     PLAN_OBJECTS,
@@ -239,6 +241,7 @@ enum plan_shader {
     PLAN_SHADER_TRANSPARENT_COMPOSITE,
     PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST,
     PLAN_SHADER_HOST_LIMITS,
+    PLAN_SHADER_LIGHT_CUBE,
     PLAN_SHADER_HOST_VERTEX,
     PLAN_SHADER_HOST_FRAGMENT,
     PLAN_SHADER_HOST_FRAGMENT_DEPTH,
@@ -392,7 +395,7 @@ uint8_t plan_resource(struct stp_plan *plan, const char *name, enum plan_slot sl
 uint8_t plan_image(struct stp_plan *plan, const char *name, enum plan_slot slot,
                    enum plan_format format, uint32_t layers);
 struct plan_pass *plan_pass(struct stp_plan *plan, enum plan_kind kind, const char *name);
-/* PLAN_SPLATS: all that a splat is, where it is more than a disc. */
+/* PLAN_SPLATS: all that a splat is, where it is more than a disc; PLAN_MATERIALS: and the light. */
 void plan_reads(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 void plan_writes(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 void plan_updates(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
@@ -471,6 +474,13 @@ void plan_place_tiles(struct stp_plan *plan);
 
 /* plan/shade.c: can light be computed as asked? Logs why not. */
 enum stp_result plan_check_shade(const struct stp_env *env, const struct stp_plan *plan);
+/* plan/light_cube.c: whether light is looked up; logs why it cannot be. */
+enum stp_result plan_light_cube(const struct stp_env *env, struct stp_plan *plan);
+/* Its buffer, and the pass that fills it; before the passes that shade. */
+void plan_light_cube_steps(struct stp_plan *plan);
+/* How far a component of a pixel's colour may be from what its lights give, for one albedo. */
+double plan_light_cube_error(const struct stp_plan *plan, const struct stp_material *material,
+                             double albedo);
 /* The most that one splat's fragment can shine, by any of the scene's lights. */
 double plan_most_light(const struct stp_plan *plan, const struct stp_scene *scene);
 

@@ -124,6 +124,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     plan_limits(plan);
     if (peel)
         plan_peel_begin(plan);
+    plan_light_cube_steps(plan);
     plan->repeat_first = plan->pass_count;
     if (compute)
         reset_arguments(plan);

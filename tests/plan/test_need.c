@@ -155,6 +155,10 @@ static void shade_flat(struct inputs *in)
 {
     in->params.shade = STP_SHADE_FLAT;
 }
+static void light_cube(struct inputs *in)
+{
+    in->params.light_cube = STP_ON;
+}
 static void gpu(struct inputs *in)
 {
     in->limits.processor = 2;
@@ -218,6 +222,7 @@ static const struct feature {
     { "splats that are shaded", shade_splats, TWO_PASS, NULL, NULL, PLAN_SHADE, 1 },
     { "splats that are shaded", shade_splats, TWO_PASS_RASTER, "+color sum", NULL, PLAN_SHADE, 1 },
     { "flat splats", shade_flat, TWO_PASS, NULL, "-sum", PLAN_SHADE, 2 },
+    { "light cube", light_cube, ALL, "+light cube", "+light cube", PLAN_LIGHT_CUBE, 1 },
     { "a GPU", gpu, LAYERS, "-order", "-layer 3", PLAN_LAYERED, 1 },
     { "a GPU", gpu, EXACT | TWO_PASS | TWO_PASS_RASTER | KEYS, NULL, NULL, PLAN_LAYERED, 0 },
     { "no atomics", no_atomics, TWO_PASS, NULL, "+nearest id", PLAN_ATOMIC64, 0 },

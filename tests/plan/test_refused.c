@@ -82,6 +82,16 @@ static void shaded_albedo(struct inputs *in)
     in->params.aovs = STP_AOV_ALBEDO;
     in->params.shade = STP_SHADE_SPLAT;
 }
+static void cube_of_near_lights(struct inputs *in)
+{
+    in->params.light_cube = STP_ON;
+    in->scene->facts.positional_lights = true;
+}
+static void cube_of_local_viewer(struct inputs *in)
+{
+    in->params.light_cube = STP_ON;
+    in->params.local_viewer = true;
+}
 static void no_width(struct inputs *in)
 {
     in->camera.width = 0;
@@ -218,6 +228,8 @@ static const struct {
     { exact_shades_splats, STP_ERROR_ARGUMENT, "two-pass or reference" },
     { flat_by_raster, STP_ERROR_ARGUMENT, "no raster path" },
     { shaded_albedo, STP_ERROR_ARGUMENT, "albedo" },
+    { cube_of_near_lights, STP_ERROR_ARGUMENT, "lights that have a place" },
+    { cube_of_local_viewer, STP_ERROR_ARGUMENT, "local viewer" },
     { no_width, STP_ERROR_ARGUMENT, "0 x 48" },
     { no_height, STP_ERROR_ARGUMENT, "64 x 0" },
     { too_wide, STP_ERROR_ARGUMENT, "65537 x 48" },
