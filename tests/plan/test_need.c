@@ -159,6 +159,15 @@ static void light_cube(struct inputs *in)
 {
     in->params.light_cube = STP_ON;
 }
+static void deep(struct inputs *in)
+{
+    in->params.deep = true;
+}
+static void faded_deep(struct inputs *in)
+{
+    fade_inputs(in, false);
+    in->params.deep = true;
+}
 static void gpu(struct inputs *in)
 {
     in->limits.processor = 2;
@@ -223,6 +232,10 @@ static const struct feature {
     { "splats that are shaded", shade_splats, TWO_PASS_RASTER, "+color sum", NULL, PLAN_SHADE, 1 },
     { "flat splats", shade_flat, TWO_PASS, NULL, "-sum", PLAN_SHADE, 2 },
     { "light cube", light_cube, ALL, "+light cube", "+light cube", PLAN_LIGHT_CUBE, 1 },
+
+    { "deep, opaque", deep, ALL, NULL, NULL, PLAN_DEEP, 0 },
+    { "deep", faded_deep, EXACT, "+deep layers", "+clear deep counts", PLAN_DEEP, 1 },
+    { "deep", faded_deep, EXACT, "+deep counts", NULL, PLAN_DEEP, 1 },
     { "a GPU", gpu, LAYERS, "-order", "-layer 3", PLAN_LAYERED, 1 },
     { "a GPU", gpu, EXACT | TWO_PASS | TWO_PASS_RASTER | KEYS, NULL, NULL, PLAN_LAYERED, 0 },
     { "no atomics", no_atomics, TWO_PASS, NULL, "+nearest id", PLAN_ATOMIC64, 0 },
