@@ -80,10 +80,3 @@ bool splat_small(Splat s, out bool floored, out ivec4 box)
     box = footprint_pixels(s, f, floored);
     return bounds_small(s, floored, box);
 }
-
-// One of the opaque ones of a scene that is transparent elsewhere.
-bool splat_opaque(uint id)
-{
-    return MIXED &&
-           (floatBitsToUint(frame.splats.v[2 * splat_known(id) + 1].w) & STP_TAG_OPAQUE) != 0;
-}
