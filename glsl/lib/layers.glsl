@@ -42,7 +42,7 @@ void ray_write(Ray ray, uvec2 p)
         vec3 d = ray_direction(pixel_position(p));
         if (o.level >= 0)
             color = vec4(surface_glass(o, ray.color, ray.through * ray.tint, ray.first.normal, d,
-                                       ray.layers), 1);
+                                       float(ray.layers)), 1);
     }
     picture_write(p, ray.layers > 0, color, ray.first, ray.surface,
                   ray.layers);

@@ -69,10 +69,9 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
                          "compute",
                          samples);
     if (path == STP_PATH_AUTO) {
-        bool layers = plan->transparency != STP_TRANSPARENCY_AUTO &&
-                      plan->transparency != STP_TRANSPARENCY_EXACT;
-        bool raster =
-            layers || (plan->method == STP_METHOD_DEFERRED && !atomics && formats && samples == 1);
+        bool peel = plan->transparency == STP_TRANSPARENCY_PEEL;
+        bool raster = plan_covers(plan) || (peel && !atomics) ||
+                      (plan->method == STP_METHOD_DEFERRED && !atomics && formats && samples == 1);
         path = raster ? STP_PATH_RASTER : STP_PATH_COMPUTE;
     }
     if (path == STP_PATH_RASTER && plan->method == STP_METHOD_EXACT)
