@@ -32,6 +32,12 @@ vec2 pixel_position(uvec2 p)
     return vec2(at) + sample_part(at);
 }
 
+// The host's triangles hide what is at or behind their depth.
+bool behind_host(uint pixel, float depth)
+{
+    return HOST_DEPTH != 0 && depth >= frame.limits.v[pixel];
+}
+
 #ifndef GRAPHICS
 // Workgroups come in rows. Both halves of a dispatch run at once on a CPU device: neighbours in
 // this order then share its cache. May reach past what was asked for: compare with the count.

@@ -47,6 +47,7 @@ enum plan_constant {
     PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
+    PLAN_HOST_DEPTH, /* enum plan_host_depth */
     PLAN_CONSTANTS
 };
 
@@ -54,6 +55,14 @@ enum plan_constant {
 #define PLAN_AOVS_ALBEDO 1u
 #define PLAN_AOVS_ID     2u
 #define PLAN_AOVS_LAYERS 4u
+
+/* What the depth of a host's image is copied as, where it cuts layers. */
+enum plan_host_depth {
+    PLAN_HOST_DEPTH_NONE,
+    PLAN_HOST_DEPTH_FLOAT,
+    PLAN_HOST_DEPTH_24, /* in the low bits of a word */
+    PLAN_HOST_DEPTH_16,
+};
 
 /* What a buffer or image is for: a resource's address goes into the frame block by this. */
 enum plan_slot {
@@ -75,6 +84,8 @@ enum plan_slot {
     PLAN_SUMS,
     PLAN_PROJECTED,
     PLAN_AXIS_SUMS,
+    PLAN_HOST_WORDS,
+    PLAN_LIMITS,
     PLAN_OUT_COLOR,
     PLAN_OUT_NORMAL,
     PLAN_OUT_DEPTH,
@@ -216,6 +227,7 @@ enum plan_shader {
     PLAN_SHADER_TRANSPARENT_MASK,
     PLAN_SHADER_TRANSPARENT_COMPOSITE,
     PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST,
+    PLAN_SHADER_HOST_LIMITS,
     PLAN_SHADER_HOST_VERTEX,
     PLAN_SHADER_HOST_FRAGMENT,
     PLAN_SHADER_HOST_FRAGMENT_DEPTH,
@@ -229,6 +241,7 @@ enum plan_kind {
     PLAN_DISPATCH_INDIRECT, /* three words at `offset` of the work buffer */
     PLAN_DRAW,              /* three vertices a splat */
     PLAN_EXCHANGE,          /* between processes, by the host */
+    PLAN_COPY_DEPTH,        /* of a host's image, the tile's part */
 };
 
 enum plan_access_kind {
@@ -442,6 +455,13 @@ void plan_turn_environment(struct stp_plan *plan);
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
 /* Tiles of that size over the camera's picture. */
 void plan_place_tiles(struct stp_plan *plan);
+
+/* plan/host.c: makes of a plan's copy that of a frame whose layers a host's depth cuts: what lies
+ * behind it is not drawn. A plan without layers stays as it is. */
+enum stp_result plan_behind_host(const struct stp_env *env, struct stp_plan *plan,
+                                 enum plan_host_depth depth);
+/* The eye depth that ends each pixel's ray; nothing where no host's depth does. */
+void plan_limits(struct stp_plan *plan);
 
 /* plan/plan.c */
 enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan,

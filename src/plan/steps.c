@@ -191,6 +191,7 @@ void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_
     pass->offset = STP_WORK_REPAIR * 4;
     pass->groups = (uint32_t)((plan_splats(plan) + STP_GROUP - 1) / STP_GROUP);
     splat_reads(plan, pass);
+    plan_reads(plan, pass, PLAN_LIMITS);
     plan_updates(plan, pass, PLAN_WORK);
     plan_updates(plan, pass, PLAN_LARGE);
     updates_all(plan, pass, updated);
@@ -199,6 +200,7 @@ void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_
     pass->repair = repair;
     pass->offset = (repair ? STP_WORK_REPAIR_L : STP_WORK_LARGE) * 4;
     splat_reads(plan, pass);
+    plan_reads(plan, pass, PLAN_LIMITS);
     plan_updates(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_LARGE);
     updates_all(plan, pass, updated);

@@ -120,6 +120,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     bool peel = plan->transparency == STP_TRANSPARENCY_PEEL;
     if (compute || plan->transparency != STP_TRANSPARENCY_AUTO)
         clear_outputs(plan);
+    plan_limits(plan);
     if (peel)
         plan_peel_begin(plan);
     plan->repeat_first = plan->pass_count;

@@ -28,7 +28,7 @@ static struct scope scope_of(const struct stp_plan *plan, const struct plan_pass
                              const struct plan_access *access)
 {
     const struct plan_resource *resource = &plan->resource[access->resource];
-    if (pass->kind == PLAN_FILL || pass->kind == PLAN_ARGUMENTS)
+    if (pass->kind == PLAN_FILL || pass->kind == PLAN_ARGUMENTS || pass->kind == PLAN_COPY_DEPTH)
         return (struct scope){ VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
                                VK_ACCESS_2_TRANSFER_WRITE_BIT };
     if (access->kind & PLAN_ATTACHMENT)

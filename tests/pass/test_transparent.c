@@ -156,8 +156,12 @@ static void peels_as_many_as_asked(void **state)
 static void peels_varying_opacities(void **state)
 {
     struct stp_scene *scene = ball(3000, 0.5f);
-    for (size_t i = 0; i < 3000; i++)
-        scene_fade(scene, i, i % 9 == 0 ? 1 : 0.05f + 0.1f * (float)(i % 8));
+    for (size_t i = 0; i < 3000; i++) {
+        double *at = scene->splats.position[i];
+        scene_fade(scene, i, i % 3 == 0 ? 1 : 0.05f + 0.1f * (float)(i % 8));
+        for (int a = 0; i % 3 == 0 && a < 3; a++) /* a ball within the ball */
+            at[a] = (a == 2 ? -4 : 0) + (at[a] - (a == 2 ? -4 : 0)) / 2;
+    }
     scene->facts.mixed = true;
     scene->facts.uniform_opacity = false;
     struct stp_camera camera = flat_camera(64, 64, 100);
