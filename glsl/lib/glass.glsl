@@ -1,7 +1,7 @@
 // Glass where rays were not composited layer by layer (docs/transparency.md, "Glass"): how many layers
 // a ray crosses is told by its opacity. Needs shade.glsl.
 
-struct Glass {
+struct LayersLight {
     vec3 near;   // light of the nearest layer, premultiplied, where it is known apart
     vec4 rest;   // of the others, as the eye gets it, or of all
     float alpha; // opacity of the nearest layer
@@ -24,7 +24,7 @@ vec3 mean_tint(vec3 absorption, float alpha, float layers)
 }
 
 // What the environment adds to `all`, the light and the opacity of all layers.
-void glass_show(Glass glass, uvec2 p, Look look, Surface s, inout vec4 all)
+void glass_show(LayersLight glass, uvec2 p, Look look, Surface s, inout vec4 all)
 {
     OpticsData o = frame.optics.v[object_of_surface(true, s)];
     if (o.level < 0)

@@ -94,9 +94,9 @@ void main()
         surface_meet(look, p, hit, s);
     vec3 near = alpha * look.color;
     all = vec4(near, alpha) + (1 - alpha) * color;
-    Glass glass = Glass(near, (1 - alpha) * color, alpha);
+    LayersLight glass = LayersLight(near, (1 - alpha) * color, alpha);
 #else
-    Glass glass = Glass(vec3(0), color, alpha);
+    LayersLight glass = LayersLight(vec3(0), color, alpha);
 #endif
     if ((OPTICS & STP_OPTICS_GLASS) != 0 && hit && clear)
         glass_show(glass, p, look, s, all);

@@ -39,9 +39,7 @@ void main()
 #ifdef WITH_COLOR
     s.albedo = imageLoad(color_image, at).xyz;
 #endif
-    Splat splat;
-    splat_load(hit ? s.id : 0, splat);
-    s.near_normal = splat.normal;
+    s.near_normal = normal_again(hit ? s.id : 0, p);
     if (!PEEL) {
         surface_write(p, hit, s);
         return;

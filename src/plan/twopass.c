@@ -25,9 +25,10 @@ static void compute(struct stp_plan *plan)
                    false, sums);
     }
     plan_exchange(plan, PLAN_EXCHANGE_NEAREST, "exchange nearest");
-    plan_splat(plan, "sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
-               atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE, false,
-               sums);
+    if (plan->params.shade != STP_SHADE_FLAT) /* else the nearest is all there is */
+        plan_splat(plan, "sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
+                   atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE,
+                   false, sums);
     plan_exchange(plan, PLAN_EXCHANGE_SUMS, "exchange sums");
     if (!plan_is_root(plan))
         return;
@@ -40,8 +41,8 @@ static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan
                               enum plan_raster raster)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
-    pass->vertex = PLAN_SHADER_RASTER_VERTEX;
-    pass->shader = fragment;
+    pass->vertex = plan_raster_shader(plan, PLAN_SHADER_RASTER_VERTEX);
+    pass->shader = plan_raster_shader(plan, fragment);
     pass->raster = raster;
     pass->layer_count = 1;
     pass->splat_count = (uint32_t)plan->facts.splats;
@@ -59,7 +60,8 @@ static void raster(struct stp_plan *plan)
     plan_image(plan, "depth test", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
     plan_image(plan, "sum", PLAN_IMAGE_SUM, PLAN_RGBA32F, 1);
     plan_image(plan, "depth sum", PLAN_IMAGE_SUM_DEPTH, PLAN_RG32F, 1);
-    bool colors = plan->constant[PLAN_HAS_COLOR] || plan->constant[PLAN_OPACITY] == 2;
+    bool colors = plan->constant[PLAN_HAS_COLOR] || plan->constant[PLAN_OPACITY] == 2 ||
+                  plan->params.shade == STP_SHADE_SPLAT;
     if (colors)
         plan_image(plan, "color sum", PLAN_IMAGE_SUM_COLOR, PLAN_RGBA32F, 1);
     struct plan_pass *pass =

@@ -291,5 +291,6 @@ enum stp_result stp_scene_cover(const struct stp_env *env, struct stp_scene *sce
 {
     if (!scene)
         return log_error(env, STP_ERROR_ARGUMENT, "stp_scene_cover: the scene is NULL");
-    return cover_scene(env, scene, params);
+    enum stp_result result = scene_check_whole(env, scene, "covering");
+    return result == STP_OK ? cover_scene(env, scene, params) : result;
 }
