@@ -142,6 +142,23 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
     plan->constant[PLAN_KEY_IDS] = packed && plan->method == STP_METHOD_EXACT && wants_ids;
 }
 
+static void explain_exact(struct stp_plan *plan, const char *asked)
+{
+    bool best = plan->transparency != STP_TRANSPARENCY_AUTO &&
+                plan->params.transparency == STP_TRANSPARENCY_AUTO;
+    const char *slots = plan->payload != STP_PAYLOAD_PACKED
+                            ? "slots carry ids, since the depth range over epsilon exceeds packed "
+                              "depth or ids were asked for"
+                        : plan->constant[PLAN_KEY_IDS]
+                            ? "slots are packed, with ids beside for what they cannot hold"
+                            : "slots are packed into 8 bytes";
+    snprintf(plan->why, sizeof plan->why,
+             "%s is %s: it needs no groups, keeps every fragment of one geometry pass and matches "
+             "the reference%s; %s.",
+             stp_method_name(plan->method), asked,
+             best ? ", in less time than fast, nearest and peel take, which do not" : "", slots);
+}
+
 static void explain(struct stp_plan *plan)
 {
     if (plan_covers(plan) || plan->transparency == STP_TRANSPARENCY_PEEL) {
@@ -162,20 +179,7 @@ static void explain(struct stp_plan *plan)
     size_t size = sizeof plan->why;
     switch (plan->method) {
     case STP_METHOD_EXACT:
-        snprintf(why, size,
-                 "%s is %s: it needs no groups, keeps every fragment of one geometry pass and "
-                 "matches the reference%s; %s.",
-                 method, asked,
-                 plan->transparency != STP_TRANSPARENCY_AUTO &&
-                         plan->params.transparency == STP_TRANSPARENCY_AUTO
-                     ? ", in less time than fast, nearest and peel take, which do not"
-                     : "",
-                 plan->payload == STP_PAYLOAD_PACKED
-                     ? plan->constant[PLAN_KEY_IDS] ? "slots are packed, with ids beside for what "
-                                                      "they cannot hold"
-                                                    : "slots are packed into 8 bytes"
-                     : "slots carry ids, since the depth range over epsilon exceeds packed depth "
-                       "or ids were asked for");
+        explain_exact(plan, asked);
         break;
     case STP_METHOD_DEFERRED:
         snprintf(why, size,
