@@ -218,6 +218,15 @@ const struct option_spec option_table[] = {
     { NULL, VIEW, "cull", 0, "none|back",
       "leave out splats that face away from the eye (default: none)",
       value_choice, AT(render.cull), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "shade", 0, "pixel|splat|flat",
+      "pixel: average normals, then shade once; splat: shade every splat, then average colours; "
+      "flat: the nearest splat alone, by its one normal. The latter two by two-pass or reference "
+      "(default: pixel)",
+      value_choice, AT(render.shade), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "light-cube", 0, "auto|on|off",
+      "look light up in a cube map over normals, made once a frame: for many directional lights "
+      "(default: auto, which is off: it is nowhere measured faster)",
+      value_choice, AT(render.light_cube), NULL, 0, 0, NULL },
     { NULL, VIEW, "local-viewer", 0, NULL,
       "highlights seen from the eye's place (default: from its direction, one for the picture)",
       value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },
