@@ -56,6 +56,7 @@ struct settings {
     struct stp_load_params load;
     struct stp_prepare_params prepare;
     struct stp_group_params group;
+    struct stp_fit_params fit;
     struct stp_frame_params frame;
     struct stp_render_params render;
     struct stp_context_params context;
@@ -70,7 +71,7 @@ struct settings {
     const char *output, *preview, *stats, *camera, *write_camera, *limits;
     uint32_t first_frame, last_frame;
     double exposure, least_psnr;
-    unsigned repeat, threads, rounds;
+    unsigned repeat, threads, rounds, fit_count;
     unsigned split; /* enum split */
     bool half, quick, json, quiet, verbose, with_groups, calibrate;
 };
