@@ -73,6 +73,7 @@ struct settings {
     double exposure, least_psnr;
     unsigned repeat, threads, rounds, fit_count;
     unsigned split; /* enum split */
+    enum stp_toggle stream;
     bool half, quick, json, quiet, verbose, with_groups, calibrate;
 };
 

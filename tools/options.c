@@ -16,7 +16,7 @@
 #define REPORT   COMMAND_REPORT
 #define PICTURE  (RENDER | PLAN)
 #define VIEW     (RENDER | PLAN | REPORT)
-#define VOLUMES  (INFO | RENDER | PLAN)
+#define VOLUMES  (INFO | RENDER | PLAN | REPORT)
 #define POINTS   (RENDER | PLAN | PREPARE | REPORT)
 #define ALL      (INFO | RENDER | PLAN | PREPARE | COMPARE | DEVICES | REPORT)
 #define ABOVE_0  DBL_TRUE_MIN, DBL_MAX
@@ -136,6 +136,14 @@ const struct option_spec option_table[] = {
     { NULL, POINTS, "transfer", 0, "auto|srgb|linear",
       "how colours are stored (default: auto, 8- and 16-bit sRGB, float linear)",
       value_choice, AT(load.transfer), NULL, 0, 0, NULL },
+    { NULL, POINTS, "radius", 0, "R",
+      "of points that bring none, in scene units (default: from the spacing of their neighbours)",
+      value_intensity, AT(load.radius), "a number above 0", ABOVE_0, NULL },
+    { NULL, PICTURE, "stream", 0, "auto|on|off",
+      "leave the points of a binary PLY in the file and read them chunk by chunk; for method "
+      "pyramid, where there are normals, and radii or --radius (default: auto, from 2^24 points "
+      "on with --method pyramid)",
+      value_choice, AT(stream), NULL, 0, 0, NULL },
     { NULL, POINTS, "two-sided", 0, "auto|on|off",
       "turn normals to the eye (default: auto, on where they were estimated or point inward, or "
       "the surface is open)",
@@ -175,7 +183,7 @@ const struct option_spec option_table[] = {
     { NULL, POINTS, "thickness", 0, "T",
       "of a layer of every transparent surface (default: that of the scene .json, else 1)",
       value_optics, AT(optics.thickness), "a number from 0", 0, 1e30, NULL },
-    { NULL, PICTURE, "layers", 0, "multi|single",
+    { NULL, VIEW, "layers", 0, "multi|single",
       "an environment is seen through transparent surfaces bent and absorbed by all layers, or by "
       "the nearest alone (default: multi)",
       value_choice, AT(render.layers), NULL, 0, 0, NULL },
@@ -298,10 +306,10 @@ const struct option_spec option_table[] = {
       value_flag, AT(calibrate), NULL, 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
-      "float64, storage-formats; may be repeated (default: none)",
+      "float64, storage-formats, independent-blend, subgroup-8; may be repeated (default: none)",
       value_features, AT(render.mask_features),
-      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats with "
-      "commas between", 0, 0,
+      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, "
+      "independent-blend, subgroup-8 with commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,
       "run under the Vulkan validation layers; any message is a failure (default: off)",

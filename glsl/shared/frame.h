@@ -62,7 +62,8 @@
 #define STP_BINDING_ATTRIBUTES 7
 #define STP_BINDING_POINTS     8
 #define STP_BINDING_RADII      9
-#define STP_AXIS_PART          60000u /* entries of a block's list that one pass takes */
+#define STP_AXIS_PART          262144u /* entries of a block's list that one pass takes */
+#define STP_AXIS_ROWS          4       /* pixels of a block's column: blocks are 8 x 4 */
 #define STP_AXIS_MERGE_BLEND   0
 #define STP_AXIS_MERGE_CLIP    1
 #define STP_BINDING_AXIS_COLOR 10
@@ -119,12 +120,13 @@ struct stp_axis_gpu {
     float shape[6];  /* camera frame: xx xy xz yy yz zz */
     float extent[3]; /* of the box around a kernel's reach */
     float reach2;    /* squared, in deviations */
+    float least_exponent; /* log2 of exp(-reach2 / 2) */
     float scale;     /* amplitude * sqrt(2 pi) */
     float least_alpha;
     float h;
     uint merge;              /* STP_AXIS_MERGE_* */
-    uint splats;             /* of all lists */
-    uint blocks_x, blocks_y; /* compute: of the whole picture */
+    uint splats;             /* all kernels */
+    uint blocks_x, blocks_y; /* compute: of 8 x STP_AXIS_ROWS, of the whole picture */
     uint walk[6];            /* axis; + 4: rays run against it */
 };
 
@@ -136,7 +138,7 @@ struct stp_frame_constants {
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(OpticsRef, optics);      /* one an object; where surfaces meet the environment */
     STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */
-    STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: by block */
+    STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: lists */
     STP_ADDRESS(UintRef, work);      /* STP_WORK_* */
     STP_ADDRESS(UintRef, objects);   /* pyramid: of points; with HAS_OBJECTS */
     STP_ADDRESS(UintRef, rim);       /* pyramid: empty pixels, then, from the end, those points */
@@ -146,8 +148,10 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, counts);    /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);   /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
-    STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per splat of a list: centre, tau; colour */
-    STP_ADDRESS(Vec4Ref, axis_sums); /* axis, compute: 2 a pixel and walk */
+    STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour */
+    STP_ADDRESS(Vec4Ref, axis_sums); /* axis, in parts: 2 a pixel and walk */
+    STP_ADDRESS(UintRef, host_words); /* the host's depth as it was copied, rows of what was copied */
+    STP_ADDRESS(FloatRef, limits);    /* the eye depth that ends each pixel's ray */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);

@@ -9,8 +9,9 @@ extern "C" {
 #endif
 
 struct stp_report_params {
-    struct stp_render_params render; /* what every configuration shares; method, path, payload and
-                                        voronoi are swept, samples and aovs are not used */
+    struct stp_render_params render; /* what every configuration shares; method, path, payload,
+                                        voronoi, transparency and axis_* are swept, samples and
+                                        aovs are not used */
     struct stp_group_params group;   /* relax and max_groups; overlap is swept */
     unsigned rounds;                 /* visits to each configuration, three timed frames each;
                                         0: 3, or 2 when quick */
@@ -21,8 +22,8 @@ struct stp_report_params {
 };
 
 /* Sweeps methods and parameters over one camera and writes report.csv, report.svg, report.md and
- * error_*.png into `folder`, which must exist (docs/report.md). The scene must be prepared; its
- * grouping is as before afterwards. */
+ * samples.csv and error_*.png into `folder`, which must exist (docs/report.md). The scene must be
+ * prepared; its grouping is as before afterwards, and a transparent one may have been covered. */
 STP_API enum stp_result stp_report(const struct stp_env *env, struct stp_context *context,
                                    struct stp_scene *scene, const struct stp_camera *camera,
                                    const struct stp_report_params *params, const char *folder);

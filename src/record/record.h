@@ -7,6 +7,7 @@
 
 #include "passes/passes.h"
 
+struct splats;
 struct stp_scene;
 struct record_share;
 
@@ -29,6 +30,8 @@ struct record_frame {
     struct gpu_buffer remaining;                     /* STP_WORK_REMAINING, where the plan loops */
     VkQueryPool queries;                             /* RECORD_MAX_STEPS + 1; may be null */
     struct record_share *share;                      /* NULL: one process makes the picture */
+    struct axis_lists axis;                          /* of record_view */
+    struct axis_blocks axis_blocks;
 };
 
 /* resources.c: buffers and images of the lifetimes in `wanted` (1 << enum plan_lifetime, or-ed);
@@ -59,9 +62,28 @@ enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp
                                            const struct record_host *host,
                                            struct record_frame *frame);
 
-/* upload.c: the scene's buffers of the plan. */
+/* upload.c: the scene's buffers of the plan; but not those of points that come in chunks. */
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
                               const struct stp_scene *scene);
+/* upload_points.c: the points of one chunk, in the place of those before. Nothing of the frame may
+ * be running. */
+enum stp_result record_upload_chunk(const struct stp_env *env, struct record_frame *frame,
+                                    const struct stp_scene *scene, uint32_t chunk);
+/* One resource of points: splats [first, first + count). False: it is none. */
+bool record_upload_points(const struct stp_env *env, struct record_frame *frame,
+                          const struct splats *splats, uint32_t resource, size_t first,
+                          size_t count, enum stp_result *result);
+/* 32 bits of an octahedral map, as unpackSnorm2x16 reads them. */
+uint32_t record_octahedral(const float n[3]);
+
+/* axis.c: the lists of a view, or of its blocks, into the frame's buffers. */
+enum stp_result record_lists(const struct stp_env *env, struct record_frame *frame,
+                             const struct axis_lists *lists, const struct axis_blocks *blocks);
+/* What a changed camera takes of the CPU before a frame of a volume: its lists made again and
+ * handed to the device. For frames that are timed; the camera is the plan's, so that the lists are
+ * the ones that lie there. Nothing for other methods. */
+enum stp_result record_view(const struct stp_env *env, struct record_frame *frame,
+                            const struct stp_scene *scene);
 
 /* exchange.c: what several processes need beside a frame. */
 struct record_share {
@@ -92,6 +114,12 @@ enum stp_result record_exchange(const struct stp_env *env, struct record_frame *
                                 uint32_t sample, enum stp_result mine);
 /* The input index of ghost id `id` in the picture that `sample` of the pixel gave. */
 uint32_t record_ghost_input(const struct record_frame *frame, uint32_t id, uint32_t sample);
+/* order.c: puts the splats of a plan that blends in order for its camera; nothing for others.
+ * Once a frame, before it is recorded. The other: what of that buffer no frame changes. */
+enum stp_result record_order(const struct stp_env *env, struct record_frame *frame,
+                             const struct stp_scene *scene);
+enum stp_result record_upload_homes(const struct stp_env *env, struct record_frame *frame,
+                                    const struct stp_scene *scene, struct gpu_buffer *buffer);
 
 /* walk.c: a tile is recorded in parts of at most RECORD_SAMPLES samples, so that no submission
  * grows with their number. The steps of a part are passes in the order of execution: those before
@@ -99,7 +127,9 @@ uint32_t record_ghost_input(const struct record_frame *frame, uint32_t id, uint3
  * Where the plan loops, every sample takes two parts, the second being RECORD_TURNS turns of the
  * loop, and what comes after takes one of its own: a part that loops is run while `remaining` is
  * set, which the part before it has left too.
- * Where processes exchange, a part ends before each exchange, and the next begins after it. */
+ * Where processes exchange, a part ends before each exchange, and the next begins after it.
+ * Where points come in chunks, a part is one chunk of one sample: before it the caller brings the
+ * chunk's points to the device. */
 #define RECORD_SAMPLES   16
 #define RECORD_TURNS     16
 #define RECORD_MAX_STEPS (PLAN_MAX_PASSES * RECORD_SAMPLES)
@@ -108,6 +138,7 @@ struct record_steps {
     uint32_t count, before, repeated;
     uint32_t first, length; /* of the passes that are repeated */
     uint32_t first_sample, first_pass;
+    uint32_t chunk;    /* of points; the images keep what the chunks before left */
     uint32_t exchange; /* pass that processes exchange by after it; RECORD_NO_PASS: none */
     bool loops;        /* turns of one sample's loop */
     bool last;         /* outputs are handed to the host after it */
@@ -145,6 +176,9 @@ enum stp_result record_read_back(const struct stp_env *env, struct record_frame 
 enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
                            const struct stp_scene *scene, struct stp_image *image, double *ms,
                            double *read_back_ms);
+/* A warm frame of a changed camera: with what the CPU does for it, and nothing is read. */
+enum stp_result record_again(const struct stp_env *env, struct record_frame *frame,
+                             const struct stp_scene *scene, double *ms);
 /* What the plan's shaders were chosen for must be enabled on this device. */
 enum stp_result record_check_features(const struct stp_env *env, const struct stp_context *context,
                                       const struct stp_plan *plan);

@@ -1,5 +1,6 @@
 #include "record/record.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -106,7 +107,10 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
             part++;
             continue;
         }
-        result = run_part(env, frame, tile, part, pass_ms != NULL);
+        if (frame->plan->chunk_count)
+            result = record_upload_chunk(env, frame, scene, part % frame->plan->chunk_count);
+        if (result == STP_OK)
+            result = run_part(env, frame, tile, part, pass_ms != NULL);
         if (result == STP_OK && pass_ms)
             result = add_timestamps(env, frame, part, pass_ms);
         if (frame->share)
@@ -114,6 +118,10 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
         if (result == STP_OK)
             result = read_remaining(env, frame, &remaining);
         part += !loops;
+        if (frame->plan->chunk_count && !pass_ms)
+            log_progress(env, "render",
+                         ((double)(tile - frame->plan->tile) + (double)part / parts) /
+                             frame->plan->tile_count);
     }
     return result;
 }
@@ -123,7 +131,12 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
                            double *read_back_ms)
 {
     const struct stp_plan *plan = frame->plan;
-    *ms = *read_back_ms = 0;
+    double begin = now_ms();
+    enum stp_result ordered = record_order(env, frame, scene);
+    if (ordered != STP_OK)
+        return ordered;
+    *ms = now_ms() - begin;
+    *read_back_ms = 0;
     for (uint32_t i = 0; i < plan->tile_count; i++) {
         double start = now_ms();
         enum stp_result result = run_tile(env, frame, scene, &plan->tile[i], NULL);
@@ -142,7 +155,39 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
     return STP_OK;
 }
 
+enum stp_result record_again(const struct stp_env *env, struct record_frame *frame,
+                             const struct stp_scene *scene, double *ms)
+{
+    double unused, start = now_ms();
+    enum stp_result result = record_view(env, frame, scene);
+    double view = now_ms() - start;
+    if (result == STP_OK)
+        result = record_run(env, frame, scene, NULL, ms, &unused);
+    *ms += view;
+    return result;
+}
+
 #define PROFILED 5
+
+/* What a view takes of the CPU, as a pass before the others. */
+static enum stp_result profile_view(const struct stp_env *env, struct record_frame *frame,
+                                    const struct stp_scene *scene, struct stp_render_stats *stats)
+{
+    double ms[PROFILED];
+    if (frame->plan->method != STP_METHOD_AXIS || stats->pass_count == STP_MAX_PASSES)
+        return STP_OK;
+    for (unsigned f = 0; f < PROFILED; f++) {
+        double start = now_ms();
+        enum stp_result result = record_view(env, frame, scene);
+        if (result != STP_OK)
+            return result;
+        ms[f] = now_ms() - start;
+    }
+    struct stp_pass_time *pass = &stats->pass[stats->pass_count++];
+    snprintf(pass->name, sizeof pass->name, "lists, on the CPU");
+    pass->milliseconds = median(ms, PROFILED);
+    return STP_OK;
+}
 
 /* A few more frames with a timestamp and a full barrier after every pass: the medians. */
 enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
@@ -166,17 +211,17 @@ enum stp_result record_profile(const struct stp_env *env, struct record_frame *f
         memcpy(stats->pass[i].name, plan->pass[i].name, sizeof plan->pass[i].name);
         stats->pass[i].milliseconds = median(column, PROFILED);
     }
-    return STP_OK;
+    return profile_view(env, frame, scene, stats);
 }
 
 static enum stp_result time_frames(const struct stp_env *env, struct record_frame *frame,
                                    const struct stp_scene *scene, unsigned repeat,
                                    struct stp_render_stats *stats)
 {
-    double unused, *ms = mem_alloc(repeat, sizeof *ms);
+    double *ms = mem_alloc(repeat, sizeof *ms);
     enum stp_result result = ms ? STP_OK : log_no_memory(env, repeat * sizeof *ms, "times");
     for (unsigned i = 0; result == STP_OK && i < repeat; i++)
-        result = record_run(env, frame, scene, NULL, &ms[i], &unused);
+        result = record_again(env, frame, scene, &ms[i]);
     if (result == STP_OK) {
         stats->frames = repeat;
         stats->frame_ms_median = median(ms, repeat);
@@ -214,6 +259,7 @@ enum stp_result record_check_features(const struct stp_env *env, const struct st
     } needs[] = { { plan->constant[PLAN_FLOAT64], STP_FEATURE_FLOAT64 },
                   { plan->constant[PLAN_LAYERED], STP_FEATURE_VERTEX_LAYER },
                   { plan->path == STP_PATH_RASTER, STP_FEATURE_STORAGE_FORMATS },
+                  { plan_covers(plan), STP_FEATURE_INDEPENDENT_BLEND },
                   { plan->path == STP_PATH_COMPUTE && plan->constant[PLAN_ATOMIC64],
                     STP_FEATURE_INT64_ATOMICS } };
     for (unsigned i = 0; i < sizeof needs / sizeof *needs; i++)

@@ -1,6 +1,5 @@
 #include "record/record.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -53,83 +52,29 @@ static enum stp_result upload_splats(const struct stp_env *env, struct record_fr
     return result;
 }
 
-/* 32 bits of an octahedral map, as unpackSnorm2x16 reads them. */
-static uint32_t octahedral(const float n[3])
-{
-    float sum = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]), x = n[0] / sum, y = n[1] / sum;
-    if (sum == 0)
-        return STP_NO_NORMAL;
-    if (n[2] < 0) {
-        float fold = (1 - fabsf(y)) * (x >= 0 ? 1.f : -1.f);
-        y = (1 - fabsf(x)) * (y >= 0 ? 1.f : -1.f);
-        x = fold;
-    }
-    uint32_t u = (uint32_t)lrintf(x * 32767) & 0xffff, v = (uint32_t)lrintf(y * 32767) & 0xffff;
-    return u | v << 16;
-}
-
-struct point_texel {
-    float position[3];
-    uint32_t normal;
-};
-
-struct point_packing {
-    const struct splats *splats;
-    struct point_texel *out;
-};
-
-static void pack_points(void *context, size_t begin, size_t end, unsigned worker)
-{
-    const struct point_packing *p = context;
-    const struct splats *s = p->splats;
-    for (size_t i = begin; i < end; i++) {
-        for (int k = 0; k < 3; k++)
-            p->out[i].position[k] = (float)(s->position[i][k] - s->origin[k]);
-        p->out[i].normal = octahedral(s->normal[i]);
-    }
-}
-
-static enum stp_result upload_points(const struct stp_env *env, struct record_frame *frame,
-                                     const struct splats *splats, struct gpu_buffer *buffer)
-{
-    struct point_packing packing = { splats, NULL };
-    bool direct = buffer->mapped && buffer->coherent;
-    packing.out = direct ? buffer->mapped : mem_alloc(splats->count, sizeof *packing.out);
-    if (!packing.out)
-        return log_no_memory(env, splats->count * sizeof *packing.out, "staging of points");
-    parallel_for(env, splats->count, 16384, pack_points, &packing);
-    if (direct)
-        return STP_OK;
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, packing.out, splats->count * sizeof *packing.out);
-    mem_free(packing.out);
-    return result;
-}
-
 struct kernel_packing {
     const struct stp_scene *scene;
-    const uint32_t *order;
     float (*out)[8];
 };
 
-/* Two vectors a splat of a list: centre relative to the origin and tau; colour and normal. */
+/* Two vectors a kernel: centre relative to the origin and tau; colour and normal. */
 static void pack_kernels(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct kernel_packing *p = context;
     const struct kernels *k = &p->scene->volume->kernels;
     const struct grid *grid = &p->scene->volume->grid;
     for (size_t i = begin; i < end; i++) {
-        uint32_t id = p->order[i], at[3], normal = STP_NO_NORMAL;
+        uint32_t at[3], normal = STP_NO_NORMAL;
         float *out = p->out[i];
-        voxel_place(grid, k->voxel[id], at);
+        voxel_place(grid, k->voxel[i], at);
         for (int a = 0; a < 3; a++) {
             double place = grid->origin[a] + at[a] * grid->spacing[a];
             out[a] = (float)(place - p->scene->splats.origin[a]);
-            out[4 + a] = k->color[id][a];
+            out[4 + a] = k->color[i][a];
         }
-        out[3] = k->tau[id];
+        out[3] = k->tau[i];
         if (k->normal)
-            normal = octahedral(k->normal[id]);
+            normal = record_octahedral(k->normal[i]);
         memcpy(&out[7], &normal, 4);
     }
 }
@@ -137,32 +82,17 @@ static void pack_kernels(void *context, size_t begin, size_t end, unsigned worke
 static enum stp_result upload_kernels(const struct stp_env *env, struct record_frame *frame,
                                       const struct stp_scene *scene, struct gpu_buffer *buffer)
 {
-    const struct axis_lists *lists = &frame->plan->axis;
-    struct kernel_packing packing = { scene, lists->order, NULL };
+    size_t count = scene->volume->kernels.count;
+    struct kernel_packing packing = { scene, NULL };
     bool direct = buffer->mapped && buffer->coherent;
-    packing.out = direct ? buffer->mapped : mem_alloc(lists->count, 32);
+    packing.out = direct ? buffer->mapped : mem_alloc(count, 32);
     if (!packing.out)
-        return log_no_memory(env, lists->count * 32, "staging of kernels");
-    parallel_for(env, lists->count, 16384, pack_kernels, &packing);
+        return log_no_memory(env, count * 32, "staging of kernels");
+    parallel_for(env, count, 16384, pack_kernels, &packing);
     if (direct)
         return STP_OK;
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, packing.out, lists->count * 32);
+    enum stp_result result = gpu_upload(env, frame->context, buffer, packing.out, count * 32);
     mem_free(packing.out);
-    return result;
-}
-
-static enum stp_result upload_objects(const struct stp_env *env, struct record_frame *frame,
-                                      const struct splats *splats, struct gpu_buffer *buffer)
-{
-    uint32_t *object = mem_alloc(splats->count, sizeof *object);
-    if (!object)
-        return log_no_memory(env, splats->count * sizeof *object, "the objects of points");
-    for (size_t i = 0; i < splats->count; i++)
-        object[i] = splats->object ? splats->object[i] : 0;
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, object, splats->count * sizeof *object);
-    mem_free(object);
     return result;
 }
 
@@ -238,28 +168,17 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
         struct gpu_buffer *buffer = &frame->resources.buffer[i];
         if (!buffer->handle) /* a host's own */
             continue;
+        size_t points = frame->plan->chunk_count ? 0 : scene->splats.count;
+        if (record_upload_points(env, frame, &scene->splats, i, 0, points, &result))
+            continue;
         switch (frame->plan->resource[i].slot) {
         case PLAN_SPLATS:
             result = scene->volume ? upload_kernels(env, frame, scene, buffer)
                                    : upload_splats(env, frame, &scene->splats, buffer);
             break;
-        case PLAN_COLORS:
-            result = gpu_upload(env, frame->context, buffer, scene->splats.color,
-                                scene->splats.count * 12);
-            break;
         case PLAN_OPACITIES:
             result = gpu_upload(env, frame->context, buffer, scene->splats.opacity,
                                 scene->splats.count * 4);
-            break;
-        case PLAN_TEXEL_POINTS:
-            result = upload_points(env, frame, &scene->splats, buffer);
-            break;
-        case PLAN_TEXEL_RADII:
-            result = gpu_upload(env, frame->context, buffer, scene->splats.radius,
-                                scene->splats.count * 4);
-            break;
-        case PLAN_OBJECTS:
-            result = upload_objects(env, frame, &scene->splats, buffer);
             break;
         case PLAN_MATERIALS:
             result = upload_materials(env, frame, scene, buffer);
@@ -272,20 +191,17 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
                                 scene->environment.texel_count * sizeof *scene->environment.texel);
             break;
         case PLAN_ORDER:
-            result = scene->volume
-                         ? gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.entry,
-                                      frame->plan->resource[i].bytes)
-                         : upload_order(env, frame, &scene->splats, buffer);
-            break;
-        case PLAN_COUNTS:
-            if (scene->volume)
-                result = gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.first,
-                                    frame->plan->resource[i].bytes);
+            if (plan_covers(frame->plan))
+                result = record_upload_homes(env, frame, scene, buffer);
+            else if (!scene->volume)
+                result = upload_order(env, frame, &scene->splats, buffer);
             break;
         default:
             break;
         }
     }
+    if (result == STP_OK && scene->volume)
+        result = record_lists(env, frame, &frame->plan->axis, &frame->plan->axis_blocks);
     if (result == STP_OK && frame->share)
         result = record_ghosts(env, frame);
     return result;
