@@ -8,8 +8,9 @@
 #define ONE_EDGE 0.9 /* cosine, 26 degrees: lines of one, perhaps curved, edge */
 #define STEEP    0.3 /* sine of the least angle between the planes of a line */
 #define BESIDE   1.0 /* spacings: a site so near an edge is at it */
-#define THIRD    2.0 /* spacings: so near a third edge no line cuts the ellipse that reaches beyond \
-                      */
+#define THIRD                                                                                      \
+    2.0 /* spacings: so near a third edge no line cuts the ellipse that reaches beyond             \
+         */
 #define BENT     0.25 /* spacings: an edge may leave its line by so much */
 #define SPACINGS 0.75 /* a member may be so far beyond the edge where samples straddle it */
 

@@ -160,6 +160,10 @@ static enum stp_result replace(struct fitting *f, struct stp_scene *scene)
     enum stp_result result = facts_measure(f->env, &f->splats, &facts, core);
     if (result != STP_OK)
         return result;
+    if (!facts.phong) { /* discs of constant normals need no more than a disc has */
+        mem_free(f->splats.phong);
+        f->splats.phong = NULL;
+    }
     facts.grouping = (struct stp_grouping){ 0 };
     facts.cover = (struct stp_cover){ 0 };
     splats_release(&scene->splats);

@@ -11,11 +11,12 @@
 #include "prepare/phong_clip.h"
 #include "prepare/phong_fit.h"
 
-#define RING    24   /* sites that the first frame is estimated from */
-#define CONE    0.26 /* cosine, 75 degrees: beyond it the linear field is of no use */
-#define LONGEST 3.0  /* ratio of the axes */
-#define ROUNDS  10
-#define FAR     4.0 /* tolerances from the plane: in the way whatever plane is fitted */
+#define RING     24   /* sites that the first frame is estimated from */
+#define CONE     0.26 /* cosine, 75 degrees: beyond it the linear field is of no use */
+#define LONGEST  3.0  /* ratio of the axes */
+#define STEEPEST 0.1  /* the same to the plane that was fitted, 84 degrees */
+#define ROUNDS   10
+#define FAR      4.0 /* tolerances from the plane: in the way whatever plane is fitted */
 #define OVERHANG                                                                                   \
     1.2            /* of the ellipse over the sites' own area, against where they were densest     \
                     */
@@ -181,7 +182,12 @@ static size_t sort_reached(struct grower *g, const struct ellipse *e, size_t cou
 static bool fits(const struct grower *g, size_t count, struct vec3 hint, struct patch_frame *frame)
 {
     patch_plane(g->cloud, g->member, count, hint, frame);
-    return patch_deviation(g->cloud, g->member, count, frame) <= g->limits->tolerance;
+    if (patch_deviation(g->cloud, g->member, count, frame) > g->limits->tolerance)
+        return false;
+    for (size_t k = 0; k < count; k++)
+        if (v3_dot(site_normal(g->cloud, g->member[k], frame->n), frame->n) < STEEPEST)
+            return false;
+    return true;
 }
 
 /* The most of member[0..count) that fit, by bisection; the frame is theirs. */

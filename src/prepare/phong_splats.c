@@ -9,6 +9,7 @@
 #include "prepare/phong_clip.h"
 #include "prepare/phong_ellipse.h"
 #include "prepare/phong_field.h"
+#include "scene/phong.h"
 
 /* Of the mean spacing of a splat's sites: how far its axes reach beyond them, so that the surface
  * between the sites of neighbouring splats is covered too. Splats of few sites overlap less. */
@@ -154,16 +155,10 @@ static void inherit(const struct splat_maker *m, uint32_t sample, size_t at)
 static void single(const struct splat_maker *m, uint32_t sample, const float n[3], size_t at)
 {
     const struct splats *s = m->cloud->samples;
-    struct stp_phong_splat phong = { .radius = { s->radius[sample], s->radius[sample] } };
-    struct vec3 normal = v3_loadf(n);
-    if (v3_dot(normal, normal) > 0) {
-        struct vec3 axis = fabs(normal.x) < 0.6 ? v3(1, 0, 0) : v3(0, 1, 0);
-        store(phong.u, v3_unit(v3_cross(normal, axis)));
-    }
     memcpy(m->splats->position[at], s->position[sample], sizeof s->position[sample]);
     memcpy(m->splats->normal[at], n, sizeof m->splats->normal[at]);
     m->splats->radius[at] = s->radius[sample];
-    m->splats->phong[at] = phong;
+    m->splats->phong[at] = phong_of_disc(n, s->radius[sample]);
     inherit(m, sample, at);
 }
 

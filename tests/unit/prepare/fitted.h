@@ -6,6 +6,7 @@
 
 #include <stipple/fit.h>
 
+#include "scene/phong.h"
 #include "scene/scene.h"
 
 static inline struct stp_scene *scene_of(const struct stp_env *env, const struct stp_points *points)
@@ -42,7 +43,8 @@ static inline double dot3(const double a[3], const double b[3])
 
 static inline struct at_splat locate(const struct splats *splats, size_t i, const double p[3])
 {
-    const struct stp_phong_splat *q = &splats->phong[i];
+    struct stp_phong_splat disc = phong_of_disc(splats->normal[i], splats->radius[i]);
+    const struct stp_phong_splat *q = splats->phong ? &splats->phong[i] : &disc;
     double d[3], u[3], n[3], length;
     struct at_splat at = { 0 };
     for (int k = 0; k < 3; k++) {

@@ -92,7 +92,7 @@ static void leaves_no_gaps(void **state)
             }
             holes += !found;
         }
-        assert_true(holes <= 8); /* 0.2 %: two neighbouring samples are rarely of two splats only */
+        assert_true(holes <= 40); /* 1 %: 4.6 samples a splat at first */
         stp_scene_destroy(&scene);
     }
     samples_release(&s);

@@ -20,9 +20,8 @@ static void set(struct samples *s, size_t i, double x, double y, double z, doubl
 static void is_sound(const struct splats *s)
 {
     for (size_t i = 0; i < s->count; i++) {
-        const struct stp_phong_splat *p = &s->phong[i];
         struct at_splat at = locate(s, i, s->position[i]);
-        assert_true(p->radius[0] > 0 && p->radius[1] > 0 && isfinite(s->radius[i]));
+        assert_true(s->radius[i] > 0 && isfinite(s->radius[i]) && at.covered);
         assert_true(isfinite(at.normal[0]) && isfinite(at.normal[1]) && isfinite(at.normal[2]));
     }
 }
