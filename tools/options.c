@@ -43,6 +43,11 @@ const struct option_spec option_table[] = {
       "how often each configuration has its turn, for three timed frames each (default: 3, with "
       "--quick 2)",
       value_count, AT(rounds), "a whole number from 1 to 1000", 1, 1000, NULL },
+    { NULL, RENDER, "deep", 0, "FILE.exr",
+      "also write a deep EXR: a sample a layer (R G B A, Z, ZBack), front to back; of a transparent "
+      "scene by --transparency exact or reference, with one sample a pixel. Without the background "
+      "(default: none)",
+      value_exr_path, AT(deep), "a name that ends in .exr", 0, 0, NULL },
     { NULL, RENDER, "preview", 0, "FILE.png",
       "also write an 8-bit sRGB picture with straight alpha (default: none)",
       value_png_path, AT(preview), "a name that ends in .png", 0, 0, NULL },
@@ -213,6 +218,15 @@ const struct option_spec option_table[] = {
     { NULL, VIEW, "cull", 0, "none|back",
       "leave out splats that face away from the eye (default: none)",
       value_choice, AT(render.cull), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "shade", 0, "pixel|splat|flat",
+      "pixel: average normals, then shade once; splat: shade every splat, then average colours; "
+      "flat: the nearest splat alone, by its one normal. The latter two by two-pass or reference "
+      "(default: pixel)",
+      value_choice, AT(render.shade), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "light-cube", 0, "auto|on|off",
+      "look light up in a cube map over normals, made once a frame: for many directional lights "
+      "(default: auto, which is off: it is nowhere measured faster)",
+      value_choice, AT(render.light_cube), NULL, 0, 0, NULL },
     { NULL, VIEW, "local-viewer", 0, NULL,
       "highlights seen from the eye's place (default: from its direction, one for the picture)",
       value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },
@@ -289,10 +303,10 @@ const struct option_spec option_table[] = {
       value_flag, AT(calibrate), NULL, 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
-      "float64, storage-formats, independent-blend; may be repeated (default: none)",
+      "float64, storage-formats, independent-blend, subgroup-8; may be repeated (default: none)",
       value_features, AT(render.mask_features),
-      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, independent-blend with "
-      "commas between", 0, 0,
+      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, "
+      "independent-blend, subgroup-8 with commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,
       "run under the Vulkan validation layers; any message is a failure (default: off)",

@@ -5,7 +5,7 @@
 #include "lib/common.glsl"
 #include "lib/axis.glsl"
 
-layout(location = 0) flat out vec4 vary_place; // centre, tau
+layout(location = 0) flat out vec4 vary_place; // centre, log2 of tau
 layout(location = 1) flat out vec3 vary_color;
 
 const float WIDE = 2.02; // an equilateral triangle of inradius 1 reaches 2
@@ -24,7 +24,8 @@ vec2 around_ellipse(vec3 c, uint corner, float bend)
     float z = ORTHOGRAPHIC ? 1 : c.z;
     vec2 at = middle + focal * c.xy / z;
     Ray r = axis_ray(at);
-    float xx = r.form.x, xy = 0.5 * r.form.y, yy = r.form.z;
+    float turn = -2 / LOG2_E; // the form is of an exponent
+    float xx = turn * r.form.x, xy = 0.5 * turn * r.form.y, yy = turn * r.form.z;
     vec2 u = vec2(corner == 0 ? 1.0 : -0.5, corner == 0 ? 0 : corner == 1 ? 0.8660254 : -0.8660254);
     u *= WIDE * sqrt(frame.axis.reach2) * (1 + 2 * bend) / z;
     float l11 = sqrt(xx), l21 = xy / l11, l22 = sqrt(max(yy - l21 * l21, 1e-6 * yy));
@@ -53,7 +54,7 @@ vec2 around_box(vec3 c, uint corner)
 
 void main()
 {
-    uint id = push_first + gl_VertexIndex / 3, corner = gl_VertexIndex % 3;
+    uint id = frame.order.v[push_first + gl_VertexIndex / 3], corner = gl_VertexIndex % 3;
     vec4 place = frame.projected.v[2 * id];
     vec3 h = vec3(frame.axis.extent[0], frame.axis.extent[1], frame.axis.extent[2]);
     float least = place.z - h.z, bend = max(h.x, max(h.y, h.z)) / max(least, 1e-30);

@@ -56,9 +56,7 @@ void main()
 #ifdef WITH_COLOR
     s.albedo = imageLoad(color_image, at).xyz;
 #endif
-    Splat splat;
-    splat_load(hit ? s.id : 0, splat);
-    s.near_normal = splat.normal;
+    s.near_normal = normal_again(hit ? s.id : 0, p);
 #ifdef PEEL
     float alpha = hit ? splat_opacity(s.id) : 0;
 #ifdef WITH_COLOR

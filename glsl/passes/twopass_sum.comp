@@ -8,6 +8,7 @@
 #endif
 #include "lib/splat.glsl"
 #include "lib/sums.glsl"
+#include "lib/light.glsl"
 
 uint splat_encode(Splat s)
 {
@@ -37,14 +38,22 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
     float nearest = depth_ordered(uint(first >> 32)), epsilon = object_epsilon(uint(first));
     if (f.depth > nearest + epsilon)
         return;
+    vec3 n = fragment_normal(s, f);
     float w = kernel_weight(f.rho2), scale = frame.sum_scale;
     sums_add(sums_at(pixel, 1), w, scale);
-    sums_add(sums_at(pixel, 2), w * s.normal.x, scale);
-    sums_add(sums_at(pixel, 3), w * s.normal.y, scale);
-    sums_add(sums_at(pixel, 4), w * s.normal.z, scale);
+    sums_add(sums_at(pixel, 2), w * n.x, scale);
+    sums_add(sums_at(pixel, 3), w * n.y, scale);
+    sums_add(sums_at(pixel, 4), w * n.z, scale);
     sums_add(sums_at(pixel, 5), w * ((f.depth - nearest) / epsilon), scale);
-    if (HAS_COLOR) {
-        vec3 c = frame.colors.v[id];
+    if (HAS_COLOR || SHADE == 1) {
+        vec3 c;
+        if (SHADE == 1) {
+            uvec2 p;
+            block_pixel(pixel / STP_GROUP, pixel % STP_GROUP, p);
+            c = shade_fragment(id, n, pixel_position(p), f.depth);
+        } else {
+            c = frame.colors.v[id];
+        }
         sums_add(sums_at(pixel, 6), w * c.x, frame.color_scale);
         sums_add(sums_at(pixel, 7), w * c.y, frame.color_scale);
         sums_add(sums_at(pixel, 8), w * c.z, frame.color_scale);

@@ -5,6 +5,7 @@
 #include "lib/splat.glsl"
 #define FRAGMENT
 #include "lib/varying.glsl"
+#include "lib/light.glsl"
 
 layout(set = 0, binding = 1, rg32ui) uniform readonly uimage2DArray nearest_image;
 
@@ -24,9 +25,14 @@ void main()
         discard;
 #endif
     float w = kernel_weight(f.rho2);
-    sum = vec4(w * vary_normal, w);
+    vec3 n = normal_here(f);
+    sum = vec4(w * n, w);
     depth_sum = vec2(w * (f.depth - nearest) / epsilon, 1);
-    color_sum = HAS_COLOR ? vec4(w * frame.colors.v[vary_id], w) : vec4(0);
+    vec2 at = gl_FragCoord.xy + vec2(frame.tile_x, frame.tile_y);
+    if (SHADE == 1)
+        color_sum = vec4(w * shade_fragment(vary_id, n, at, f.depth), w);
+    else
+        color_sum = HAS_COLOR ? vec4(w * frame.colors.v[vary_id], w) : vec4(0);
 #ifdef PEEL
     color_sum.w = w * splat_opacity(vary_id);
 #endif

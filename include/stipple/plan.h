@@ -51,6 +51,12 @@ enum stp_kernel {
     STP_KERNEL_PARABOLA = 0, /* 1 - rho^2 */
     STP_KERNEL_GAUSS,        /* exp(-2 rho^2), both for rho^2 <= 1 */
 };
+/* Where the light is computed; the latter two are baselines of method two-pass (BSK 6). */
+enum stp_shade {
+    STP_SHADE_PIXEL = 0, /* normals are averaged, and each pixel is shaded once */
+    STP_SHADE_SPLAT, /* each splat's fragment is shaded, then colours are averaged: as BSK blends */
+    STP_SHADE_FLAT,  /* the nearest splat alone, by its one normal; compute only */
+};
 enum stp_cull { STP_CULL_NONE = 0, STP_CULL_BACK };
 
 #define STP_DEFAULT_PEEL_LAYERS 8
@@ -76,6 +82,7 @@ enum stp_feature {
     STP_FEATURE_STORAGE_FORMATS = 32, /* shaderStorageImageExtendedFormats: raster paths */
     STP_FEATURE_SHARED_MEMORY = 64,   /* device memory that the host may write: nothing is staged */
     STP_FEATURE_INDEPENDENT_BLEND = 128, /* independentBlend: transparency fast and nearest */
+    STP_FEATURE_SUBGROUP_8 = 256,        /* subgroups of 8, with votes and broadcasts: axis lists */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);
@@ -96,12 +103,17 @@ struct stp_render_params {
     enum stp_payload payload; /* deferred, compute: what a key carries */
     enum stp_voronoi voronoi;
     enum stp_kernel kernel;
+    enum stp_shade shade;
+    enum stp_toggle light_cube; /* lighting looked up over normals (BSK 4.1): ON needs directional
+                                   lights, no local viewer and one shininess; AUTO: off, since it is
+                                   nowhere measured faster (docs/phong.md) */
     enum stp_cull cull;
     double epsilon;   /* 0: each object's own */
     double min_splat; /* least diameter of a projected splat, pixels; 0: 1.5; negative: off */
     unsigned samples; /* stratified samples a pixel, at most 65536, rounded up to a square; 0: 1;
                          raster paths have no more than 1 */
     unsigned aovs;    /* enum stp_aov, or-ed */
+    bool deep;        /* the picture keeps its layers one by one: stp_image.deep */
     enum stp_axis_merge axis_merge;
     double axis_h;           /* axis, blend: [0, 1), lists whose axis has more than this share of
                                 the dominant one are merged; 0: 0.85; negative: 0 */

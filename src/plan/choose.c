@@ -18,6 +18,8 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
         return plan_transparency_method(transparency);
     if (params->method != STP_METHOD_AUTO)
         return params->method;
+    if (params->shade != STP_SHADE_PIXEL)
+        return STP_METHOD_TWO_PASS;
     return facts->volume.dims[0] ? STP_METHOD_AXIS : STP_METHOD_EXACT;
 }
 
@@ -245,9 +247,16 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     enum stp_result result = choose_share(env, plan);
     if (result == STP_OK)
         result = plan_choose_transparency(env, plan);
+    if (result == STP_OK)
+        result = plan_deep_check(env, plan);
     if (result != STP_OK)
         return result;
     plan->method = resolve_method(&plan->facts, &plan->params, &plan->limits);
+    result = plan_check_shade(env, plan);
+    if (result == STP_OK)
+        result = plan_light_cube(env, plan);
+    if (result != STP_OK)
+        return result;
     if (plan->method == STP_METHOD_REFERENCE) {
         explain(plan);
         return STP_OK;
@@ -262,7 +271,9 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     if (!cover && plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the deferred method needs stp_scene_group before its plan");
-    result = choose_path(env, plan);
+    result = plan_check_phong(env, plan);
+    if (result == STP_OK)
+        result = choose_path(env, plan);
     if (result == STP_OK)
         result = choose_voronoi(env, plan);
     if (result != STP_OK)

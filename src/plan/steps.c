@@ -76,6 +76,12 @@ static void access(const struct stp_plan *plan, struct plan_pass *pass, enum pla
 void plan_reads(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot)
 {
     access(plan, pass, slot, PLAN_READ);
+    if (slot == PLAN_MATERIALS) /* what shades */
+        access(plan, pass, PLAN_LIGHTS, PLAN_READ);
+    if (slot != PLAN_SPLATS)
+        return;
+    access(plan, pass, PLAN_ELLIPSES, PLAN_READ);
+    access(plan, pass, PLAN_CLIPS, PLAN_READ);
 }
 
 void plan_writes(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot)

@@ -49,6 +49,7 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
     if (plan->constant[PLAN_OPACITY] == 2)
         plan_resource(plan, "opacities", PLAN_OPACITIES, PLAN_SCENE, n * 4);
+    plan_phong_resources(plan);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
 }
@@ -123,6 +124,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     plan_limits(plan);
     if (peel)
         plan_peel_begin(plan);
+    plan_light_cube_steps(plan);
     plan->repeat_first = plan->pass_count;
     if (compute)
         reset_arguments(plan);

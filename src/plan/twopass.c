@@ -19,9 +19,10 @@ static void compute(struct stp_plan *plan)
                    false, sums);
     }
     plan_exchange(plan, PLAN_EXCHANGE_NEAREST, "exchange nearest");
-    plan_splat(plan, "sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
-               atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE, false,
-               sums);
+    if (plan->params.shade != STP_SHADE_FLAT) /* else the nearest is all there is */
+        plan_splat(plan, "sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
+                   atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE,
+                   false, sums);
     plan_exchange(plan, PLAN_EXCHANGE_SUMS, "exchange sums");
     if (!plan_is_root(plan))
         return;
@@ -33,8 +34,8 @@ static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan
                               enum plan_raster raster)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
-    pass->vertex = PLAN_SHADER_RASTER_VERTEX;
-    pass->shader = fragment;
+    pass->vertex = plan_raster_shader(plan, PLAN_SHADER_RASTER_VERTEX);
+    pass->shader = plan_raster_shader(plan, fragment);
     pass->raster = raster;
     pass->layer_count = 1;
     pass->splat_count = (uint32_t)plan->facts.splats;
@@ -50,7 +51,8 @@ static void raster(struct stp_plan *plan)
     plan_image(plan, "depth test", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
     plan_image(plan, "sum", PLAN_IMAGE_SUM, PLAN_RGBA32F, 1);
     plan_image(plan, "depth sum", PLAN_IMAGE_SUM_DEPTH, PLAN_RG32F, 1);
-    if (plan->constant[PLAN_HAS_COLOR])
+    bool color = plan->constant[PLAN_HAS_COLOR] || plan->params.shade == STP_SHADE_SPLAT;
+    if (color)
         plan_image(plan, "color sum", PLAN_IMAGE_SUM_COLOR, PLAN_RGBA32F, 1);
     struct plan_pass *pass =
         draw(plan, "visibility", PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT, PLAN_RASTER_WINNER);
@@ -62,8 +64,8 @@ static void raster(struct stp_plan *plan)
     plan_attaches(plan, pass, PLAN_IMAGE_SUM_DEPTH);
     plan_attaches(plan, pass, PLAN_IMAGE_SUM_COLOR);
     pass = plan_pass(plan, PLAN_DISPATCH, "normalise");
-    pass->shader = plan->constant[PLAN_HAS_COLOR] ? PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR
-                                                  : PLAN_SHADER_TWOPASS_RESOLVE_IMAGE;
+    pass->shader =
+        color ? PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR : PLAN_SHADER_TWOPASS_RESOLVE_IMAGE;
     plan_reads(plan, pass, PLAN_SPLATS);
     plan_reads(plan, pass, PLAN_COLORS);
     plan_reads(plan, pass, PLAN_MATERIALS);

@@ -138,6 +138,36 @@ static void all_glass(struct inputs *in)
     in->scene->facts.absorbs = true;
     in->params.layers = STP_LAYERS_SINGLE;
 }
+static void ellipses(struct inputs *in)
+{
+    in->scene->facts.phong = 7;
+}
+static void clipped(struct inputs *in)
+{
+    in->scene->facts.phong = 7;
+    in->scene->facts.clip_lines = 3;
+}
+static void shade_splats(struct inputs *in)
+{
+    in->params.shade = STP_SHADE_SPLAT;
+}
+static void shade_flat(struct inputs *in)
+{
+    in->params.shade = STP_SHADE_FLAT;
+}
+static void light_cube(struct inputs *in)
+{
+    in->params.light_cube = STP_ON;
+}
+static void deep(struct inputs *in)
+{
+    in->params.deep = true;
+}
+static void faded_deep(struct inputs *in)
+{
+    fade_inputs(in, false);
+    in->params.deep = true;
+}
 static void gpu(struct inputs *in)
 {
     in->limits.processor = 2;
@@ -195,6 +225,17 @@ static const struct feature {
     { "opacities", mixed, EXACT, "+opacities", "+mend layer", PLAN_OPACITY, 2 },
     { "opacities", mixed, EXACT, "+slot ids", "-repair sum", PLAN_MIXED, 1 },
     { "layers", mixed, EXACT, "+id", NULL, PLAN_AOVS, PLAN_AOVS_ID | PLAN_AOVS_LAYERS },
+    { "ellipses", ellipses, ALL, "+ellipses", NULL, PLAN_PHONG, 1 },
+    { "clip lines", clipped, ALL, "+ellipses", NULL, PLAN_PHONG, 2 },
+    { "clip lines", clipped, ALL, "+clip lines", NULL, -1, 0 },
+    { "splats that are shaded", shade_splats, TWO_PASS, NULL, NULL, PLAN_SHADE, 1 },
+    { "splats that are shaded", shade_splats, TWO_PASS_RASTER, "+color sum", NULL, PLAN_SHADE, 1 },
+    { "flat splats", shade_flat, TWO_PASS, NULL, "-sum", PLAN_SHADE, 2 },
+    { "light cube", light_cube, ALL, "+light cube", "+light cube", PLAN_LIGHT_CUBE, 1 },
+
+    { "deep, opaque", deep, ALL, NULL, NULL, PLAN_DEEP, 0 },
+    { "deep", faded_deep, EXACT, "+deep layers", "+clear deep counts", PLAN_DEEP, 1 },
+    { "deep", faded_deep, EXACT, "+deep counts", NULL, PLAN_DEEP, 1 },
     { "a GPU", gpu, LAYERS, "-order", "-layer 3", PLAN_LAYERED, 1 },
     { "a GPU", gpu, EXACT | TWO_PASS | TWO_PASS_RASTER | KEYS, NULL, NULL, PLAN_LAYERED, 0 },
     { "no atomics", no_atomics, TWO_PASS, NULL, "+nearest id", PLAN_ATOMIC64, 0 },
