@@ -262,7 +262,8 @@ int write_pictures(struct console *console, const struct settings *settings,
 /* One frame's object, with the keys that the man page lists, at the end of the list. */
 void stats_add(struct json_out *out, struct cJSON *list, const struct stp_limits *limits,
                const struct stp_facts *facts, const struct stp_plan *plan,
-               const struct stp_render_stats *render, const struct run_times *times);
+               const struct stp_render_stats *render, const struct run_times *times,
+               const struct stp_image *image);
 
 /* --- the commands -------------------------------------------------------------------------- */
 

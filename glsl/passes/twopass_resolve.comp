@@ -1,11 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Normalisation and deferred shading of the two-pass sums (ZP 3.1, third pass).
+// Normalisation and deferred shading of the two-pass sums (ZP 3.1, third pass); of a transparent scene,
+// of one more layer.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #include "lib/sums.glsl"
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
+#define RESOLVES
+#include "lib/peel.glsl"
 
 float sum(uint at, float scale)
 {
@@ -36,5 +39,12 @@ void main()
         s.near_normal = normal_again(s.id, p);
     if (SHADE == 2)
         s = Surface(1, s.near_normal, s.near_depth, vec3(0), s.near_normal, s.near_depth, s.id, 1);
-    surface_write(p, hit, s);
+    if (!PEEL) {
+        surface_write(p, hit, s);
+        return;
+    }
+    float alpha = splat_opacity(s.id);
+    if (OPACITY == 2 && s.weight > 0)
+        alpha = sum(sums_at(pixel, 10), scale) / s.weight;
+    peel_write(p, pixel, hit, s, alpha);
 }

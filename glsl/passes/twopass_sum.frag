@@ -3,6 +3,7 @@
 // Point blending: weighted sums of what lies within epsilon of the nearest, in primitive order.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
+#include "lib/peel.glsl"
 #define FRAGMENT
 #include "lib/varying.glsl"
 #include "lib/light.glsl"
@@ -18,12 +19,10 @@ void main()
     Fragment f = fragment_here();
     uvec2 first = imageLoad(nearest_image, ivec3(gl_FragCoord.xy, 0)).xy;
     float nearest = uintBitsToFloat(first.x), epsilon = object_epsilon(first.y);
-    if (f.depth > nearest + epsilon)
+    uvec2 p = uvec2(gl_FragCoord.xy);
+    if (f.depth > nearest + epsilon ||
+        peel_other(p.y * frame.tile_width + p.x, vary_id, f.depth, first.y))
         discard;
-#ifdef PEEL
-    if (f.depth < nearest || (MIXED && splat_opaque(vary_id) != splat_opaque(first.y)))
-        discard;
-#endif
     float w = kernel_weight(f.rho2);
     vec3 n = normal_here(f);
     sum = vec4(w * n, w);
@@ -33,7 +32,6 @@ void main()
         color_sum = vec4(w * shade_fragment(vary_id, n, at, f.depth), w);
     else
         color_sum = HAS_COLOR ? vec4(w * frame.colors.v[vary_id], w) : vec4(0);
-#ifdef PEEL
-    color_sum.w = w * splat_opacity(vary_id);
-#endif
+    if (PEEL)
+        color_sum.w = w * splat_opacity(vary_id);
 }

@@ -236,13 +236,10 @@ enum plan_shader {
     PLAN_SHADER_RASTER_PHONG, /* the rasteriser's again, from its vertex shader on, for ellipses */
     PLAN_SHADER_RASTER_PHONG_LAST =
         PLAN_SHADER_RASTER_PHONG + PLAN_SHADER_TWOPASS_SUM_FRAGMENT - PLAN_SHADER_RASTER_VERTEX,
-    PLAN_SHADER_PEEL_DEPTH_FRAGMENT,
-    PLAN_SHADER_PEEL_SUM_FRAGMENT,
-    PLAN_SHADER_PEEL_RESOLVE,
-    PLAN_SHADER_PEEL_RESOLVE_COLOR,
     PLAN_SHADER_TRANSPARENT_VERTEX,
     PLAN_SHADER_TRANSPARENT_BLEND_FRAGMENT,
     PLAN_SHADER_TRANSPARENT_OTHERS_FRAGMENT,
+    PLAN_SHADER_TRANSPARENT_TOUCHED,
     PLAN_SHADER_TRANSPARENT_MASK,
     PLAN_SHADER_TRANSPARENT_COMPOSITE,
     PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST,
@@ -413,6 +410,8 @@ void plan_fill(struct stp_plan *plan, enum plan_slot slot, uint32_t value, const
 void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_shader,
                 enum plan_shader large_shader, bool repair, const enum plan_slot *updated);
 void plan_blocks(struct stp_plan *plan);
+/* An output that is written, or, where frames add to each other, added to. */
+void plan_outputs(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 /* A resolving pass over the touched blocks; reads `read` (ends with PLAN_SLOTS), writes the
  * outputs. */
 void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shader, bool repair,
@@ -456,9 +455,8 @@ struct plan_grid plan_tile_grid(const struct stp_plan *plan, const struct plan_t
 /* Workgroups of a pass over one level of a grid. */
 uint32_t plan_level_blocks(const struct plan_grid *grid, uint32_t level);
 void plan_transparent(struct stp_plan *plan);
-/* Resources and passes before those that are repeated for every layer; then these. */
+/* Before the two-pass method is repeated for every layer: nothing is peeled. */
 void plan_peel_begin(struct stp_plan *plan);
-void plan_peel(struct stp_plan *plan);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);

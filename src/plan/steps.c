@@ -220,6 +220,14 @@ void plan_blocks(struct stp_plan *plan)
     plan_updates(plan, pass, PLAN_WORK);
 }
 
+void plan_outputs(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot)
+{
+    if (plan_samples(plan) > 1 || plan->transparency == STP_TRANSPARENCY_PEEL)
+        plan_updates(plan, pass, slot);
+    else
+        plan_writes(plan, pass, slot);
+}
+
 void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shader, bool repair,
                   const enum plan_slot *read)
 {
@@ -234,8 +242,5 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
     for (; *read != PLAN_SLOTS; read++)
         plan_reads(plan, pass, *read);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
-        if (plan_samples(plan) > 1)
-            plan_updates(plan, pass, slot);
-        else
-            plan_writes(plan, pass, slot);
+        plan_outputs(plan, pass, slot);
 }

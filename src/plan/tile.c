@@ -119,7 +119,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     if (compute && !pyramid)
         compute_resources(plan);
     bool peel = plan->transparency == STP_TRANSPARENCY_PEEL;
-    if (compute || peel)
+    if (compute || plan->transparency != STP_TRANSPARENCY_AUTO)
         clear_outputs(plan);
     plan_limits(plan);
     if (peel)
@@ -128,9 +128,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     plan->repeat_first = plan->pass_count;
     if (compute)
         reset_arguments(plan);
-    if (peel)
-        plan_peel(plan);
-    else if (plan_covers(plan))
+    if (plan_covers(plan))
         plan_transparent(plan);
     else if (plan->method == STP_METHOD_DEFERRED)
         plan_deferred(plan);

@@ -222,6 +222,10 @@ static const struct feature {
       PLAN_BACKGROUND, 1 },
     { "one opacity", faded, EXACT, NULL, "+layers", PLAN_OPACITY, 1 },
     { "one opacity", faded, EXACT, NULL, "-resolve", PLAN_MIXED, 0 },
+    { "one opacity", faded, TWO_PASS | TWO_PASS_RASTER, "+peeled", "+nothing peeled", PLAN_OPACITY,
+      1 },
+    { "opacities", mixed, TWO_PASS_RASTER, "+color sum", "+clear depth", PLAN_MIXED, 1 },
+    { "opacities", mixed, TWO_PASS, "+opacities", NULL, PLAN_OPACITY, 2 },
     { "opacities", mixed, EXACT, "+opacities", "+mend layer", PLAN_OPACITY, 2 },
     { "opacities", mixed, EXACT, "+slot ids", "-repair sum", PLAN_MIXED, 1 },
     { "layers", mixed, EXACT, "+id", NULL, PLAN_AOVS, PLAN_AOVS_ID | PLAN_AOVS_LAYERS },
@@ -311,6 +315,32 @@ static void test_unmet_environment(void **state)
     stp_plan_destroy(&with);
     stp_plan_destroy(&without);
     release_inputs(&in);
+}
+
+/* Groups that each cover the surface leave an opaque scene's plan as it was; without glass the
+ * plans that take them have nothing of an environment, and only nearest has a mask. */
+static void test_covers(void **state)
+{
+    for (int i = 0; i < 8; i++) {
+        struct inputs in = plain_inputs();
+        cover_inputs(&in);
+        in.params.transparency = i & 1 ? STP_TRANSPARENCY_NEAREST : STP_TRANSPARENCY_FAST;
+        if (i & 2)
+            glass(&in);
+        else if (i & 4)
+            faded(&in);
+        struct stp_plan *plan = plan_of(&in);
+        bool covers = (i & 6) != 0;
+        assert_true(plan_covers(plan) == covers);
+        assert_true((resource_named(plan, "blended") != NULL) == covers);
+        assert_true((resource_named(plan, "order") != NULL) == covers);
+        assert_true((resource_named(plan, "mask") != NULL) == (covers && (i & 1)));
+        assert_true((resource_named(plan, "environment") != NULL) == ((i & 2) != 0));
+        assert_true((resource_named(plan, "optics") != NULL) == ((i & 2) != 0));
+        assert_true((plan->constant[PLAN_OPTICS] != 0) == ((i & 2) != 0));
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
 }
 
 /* auto: exact, where the device has 64-bit atomics. An opaque scene takes no notice. */
@@ -492,11 +522,17 @@ static void test_payload(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_features),         cmocka_unit_test(test_the_least),
-        cmocka_unit_test(test_transparency),     cmocka_unit_test(test_voronoi),
-        cmocka_unit_test(test_groups),           cmocka_unit_test(test_squarings),
-        cmocka_unit_test(test_payload),          cmocka_unit_test(test_unmet_environment),
-        cmocka_unit_test(test_the_least_of_all), cmocka_unit_test(test_channels),
+        cmocka_unit_test(test_features),
+        cmocka_unit_test(test_the_least),
+        cmocka_unit_test(test_covers),
+        cmocka_unit_test(test_transparency),
+        cmocka_unit_test(test_voronoi),
+        cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_squarings),
+        cmocka_unit_test(test_payload),
+        cmocka_unit_test(test_unmet_environment),
+        cmocka_unit_test(test_the_least_of_all),
+        cmocka_unit_test(test_channels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -174,6 +174,21 @@ static void fast_without_blends(struct inputs *in)
     fast_without_cover(in);
     in->params.mask_features = STP_FEATURE_INDEPENDENT_BLEND;
 }
+static void peel_with_glass(struct inputs *in)
+{
+    transparent(in);
+    in->params.transparency = STP_TRANSPARENCY_PEEL;
+    in->scene->facts.environment_levels = 1;
+    in->scene->facts.environment_texels = 1000;
+    in->scene->facts.reflects = true;
+}
+static void peel_without_atomics(struct inputs *in)
+{
+    transparent(in);
+    in->params.transparency = STP_TRANSPARENCY_PEEL;
+    in->params.path = STP_PATH_COMPUTE;
+    in->params.mask_features = STP_FEATURE_INT64_ATOMICS;
+}
 static void peel_with_samples(struct inputs *in)
 {
     transparent(in);
@@ -275,6 +290,8 @@ static const struct {
     { nearest_with_samples, STP_ERROR_ARGUMENT, "one sample" },
     { fast_counts_layers, STP_ERROR_ARGUMENT, "layers" },
     { fast_without_blends, STP_ERROR_FEATURE, "independentBlend" },
+    { peel_with_glass, STP_ERROR_ARGUMENT, "glass" },
+    { peel_without_atomics, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { peel_with_samples, STP_ERROR_ARGUMENT, "one sample" },
     { little_memory, STP_ERROR_DEVICE_MEMORY, "tile" },
     { little_heap, STP_ERROR_DEVICE_MEMORY, "3000 bytes" },
