@@ -43,6 +43,7 @@
 #define STP_OPTICS_GLASS    64u  /* what is transparent refracts */
 #define STP_OPTICS_MULTI    128u /* by all its layers */
 #define STP_OPTICS_ABSORBS  256u /* some surface has an absorption */
+#define STP_LIGHT_CUBE      128u /* texels along an edge of a face; neighbours share their edges */
 #define STP_NO_ID           0xffffffffu
 /* Of a splat's tag: group, flags, object. */
 #define STP_TAG_GROUP     63u
@@ -69,6 +70,9 @@
 #define STP_BINDING_AXIS_COLOR 10
 #define STP_BINDING_AXIS_DEPTH 11
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
+#define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
+#define STP_DEEP_FLOATS        5
+#define STP_DEEP_MENDED        0x80000000u /* the ray is mended: its layers come a turn each */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
 #define STP_SUMS_NONE 0x7f8000007ffffffful
@@ -103,6 +107,15 @@ struct stp_material_gpu {
     float epsilon;
 };
 
+struct stp_phong_gpu {
+    float u[3], radius[2], field[4];
+};
+
+struct stp_clip_gpu {
+    float line[2][3]; /* what is missing keeps all */
+    uint reflex;
+};
+
 struct stp_optics_gpu {
     float ior[3];
     float level; /* of the environment, the fraction mixes in the next one; below 0: unmet */
@@ -117,11 +130,11 @@ struct stp_level_gpu {
 
 /* HM: kernels of one shape, and the walks that draw them; zero without them. */
 struct stp_axis_gpu {
-    float shape[6];  /* camera frame: xx xy xz yy yz zz */
-    float extent[3]; /* of the box around a kernel's reach */
-    float reach2;    /* squared, in deviations */
+    float shape[6];       /* camera frame: xx xy xz yy yz zz */
+    float extent[3];      /* of the box around a kernel's reach */
+    float reach2;         /* squared, in deviations */
     float least_exponent; /* log2 of exp(-reach2 / 2) */
-    float scale;     /* amplitude * sqrt(2 pi) */
+    float scale;          /* amplitude * sqrt(2 pi) */
     float least_alpha;
     float h;
     uint merge;              /* STP_AXIS_MERGE_* */
@@ -135,12 +148,15 @@ struct stp_frame_constants {
                 splats); /* 2 per splat: x y z radius; nx ny nz tag (STP_TAG_*, object << 8) */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
     STP_ADDRESS(FloatRef, opacities);    /* where they are not one for all */
+    STP_ADDRESS(PhongRef, ellipses);     /* with PHONG */
+    STP_ADDRESS(ClipRef, clips);         /* with PHONG 2 */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(OpticsRef, optics);      /* one an object; where surfaces meet the environment */
     STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */
-    STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: lists */
-    STP_ADDRESS(UintRef, work);      /* STP_WORK_* */
-    STP_ADDRESS(UintRef, objects);   /* pyramid: of points; with HAS_OBJECTS */
+    STP_ADDRESS(Vec3Ref, light_cube);    /* 2 a texel: diffuse, specular; with LIGHT_CUBE */
+    STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group; axis: lists */
+    STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
+    STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
     STP_ADDRESS(UintRef, rim);       /* pyramid: empty pixels, then, from the end, those points */
     STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair */
     STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
@@ -150,14 +166,17 @@ struct stp_frame_constants {
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
     STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour */
     STP_ADDRESS(Vec4Ref, axis_sums); /* axis, in parts: 2 a pixel and walk */
-    STP_ADDRESS(UintRef, host_words); /* the host's depth as it was copied, rows of what was copied */
-    STP_ADDRESS(FloatRef, limits);    /* the eye depth that ends each pixel's ray */
+    STP_ADDRESS(UintRef,
+                host_words);       /* the host's depth as it was copied, rows of what was copied */
+    STP_ADDRESS(FloatRef, limits); /* the eye depth that ends each pixel's ray */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
-    STP_ADDRESS(Vec4Ref, out_albedo); /* rgb, sum of weights */
-    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; nearest sample, hits; layers */
-    STP_DOUBLE rotation64[9];         /* WITH_FLOAT64: centres are projected in double */
+    STP_ADDRESS(Vec4Ref, out_albedo);   /* rgb, sum of weights */
+    STP_ADDRESS(UintRef, out_id);       /* canonical id, fragments; nearest sample, hits; layers */
+    STP_ADDRESS(FloatRef, deep_layers); /* STP_DEEP_WINDOW a pixel: depth, r g b, alpha */
+    STP_ADDRESS(UintRef, deep_counts);  /* layers of a pixel's ray; STP_DEEP_MENDED */
+    STP_DOUBLE rotation64[9];           /* WITH_FLOAT64: centres are projected in double */
     STP_DOUBLE translation64[3];
     STP_DOUBLE eye64[3]; /* relative to the origin; orthographic: the direction of sight */
     STP_DOUBLE focal64[2];
@@ -203,6 +222,7 @@ struct stp_frame_constants {
     STP_STRUCT(stp_axis_gpu) axis;
     float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
     STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];
+    uint deep_first; /* layers of a ray from here on are kept, STP_DEEP_WINDOW of them */
 };
 
 #ifndef GL_core_profile

@@ -8,9 +8,12 @@
 SLOT_OFFSET(splats, PLAN_SPLATS);
 SLOT_OFFSET(colors, PLAN_COLORS);
 SLOT_OFFSET(opacities, PLAN_OPACITIES);
+SLOT_OFFSET(ellipses, PLAN_ELLIPSES);
+SLOT_OFFSET(clips, PLAN_CLIPS);
 SLOT_OFFSET(materials, PLAN_MATERIALS);
 SLOT_OFFSET(optics, PLAN_OBJECT_OPTICS);
 SLOT_OFFSET(environment, PLAN_ENVIRONMENT);
+SLOT_OFFSET(light_cube, PLAN_LIGHTS);
 SLOT_OFFSET(order, PLAN_ORDER);
 SLOT_OFFSET(work, PLAN_WORK);
 SLOT_OFFSET(objects, PLAN_OBJECTS);
@@ -30,6 +33,8 @@ SLOT_OFFSET(out_normal, PLAN_OUT_NORMAL);
 SLOT_OFFSET(out_depth, PLAN_OUT_DEPTH);
 SLOT_OFFSET(out_albedo, PLAN_OUT_ALBEDO);
 SLOT_OFFSET(out_id, PLAN_OUT_ID);
+SLOT_OFFSET(deep_layers, PLAN_DEEP_LAYERS);
+SLOT_OFFSET(deep_counts, PLAN_DEEP_COUNTS);
 /* Scalar layout: nothing is padded before the lights. */
 _Static_assert(offsetof(struct stp_frame_constants, rotation64) == 8 * PLAN_BUFFER_SLOTS &&
                    offsetof(struct stp_frame_constants, rotation) ==
@@ -45,7 +50,7 @@ BINDING(STP_BINDING_POINTS, PLAN_TEXEL_POINTS);
 BINDING(STP_BINDING_RADII, PLAN_TEXEL_RADII);
 BINDING(STP_BINDING_AXIS_COLOR, PLAN_IMAGE_AXIS_COLOR);
 BINDING(STP_BINDING_AXIS_DEPTH, PLAN_IMAGE_AXIS_DEPTH);
-_Static_assert(STP_AXIS_MERGE_BLEND == STP_AXIS_BLEND && STP_AXIS_MERGE_CLIP == STP_AXIS_CLIP,
+_Static_assert(STP_AXIS_MERGE_CLIP - STP_AXIS_MERGE_BLEND == STP_AXIS_CLIP - STP_AXIS_BLEND,
                "merges");
 _Static_assert(offsetof(struct stp_frame_constants, axis) ==
                    offsetof(struct stp_frame_constants, lights) +

@@ -97,7 +97,7 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
     struct stp_axis_gpu *axis = &plan->frame.axis;
     set_shape(plan, scene->volume);
     axis->h = (float)h;
-    axis->merge = (uint32_t)plan->params.axis_merge;
+    axis->merge = (uint32_t)(STP_AXIS_MERGE_BLEND + plan->params.axis_merge - STP_AXIS_BLEND);
     for (unsigned i = 0; i < plan->axis.walk_count; i++)
         axis->walk[i] = plan->axis.walk[i].axis | (plan->axis.walk[i].backwards ? 4u : 0u);
     plan->constant[PLAN_AXIS_WALKS] = plan->axis.walk_count;

@@ -103,7 +103,8 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
     bool remaining = false;
     for (uint32_t part = 0; result == STP_OK && part < parts;) {
         bool loops = record_steps(frame->plan, part).loops;
-        if (loops && !remaining) {
+        /* Later windows are of rays that are not mended: those are done with the first. */
+        if (loops && (!remaining || (frame->deep && frame->deep->first > 0))) {
             part++;
             continue;
         }
@@ -117,12 +118,24 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
             result = exchange(env, frame, scene, part, pass_ms, result);
         if (result == STP_OK)
             result = read_remaining(env, frame, &remaining);
+        if (result == STP_OK && frame->deep)
+            result = record_deep_take(env, frame, tile, loops);
         part += !loops;
         if (frame->plan->chunk_count && !pass_ms)
             log_progress(env, "render",
                          ((double)(tile - frame->plan->tile) + (double)part / parts) /
                              frame->plan->tile_count);
     }
+    return result;
+}
+
+/* The windows of a tile's layers behind the first; the picture has been read. */
+static enum stp_result run_windows(const struct stp_env *env, struct record_frame *frame,
+                                   const struct stp_scene *scene, const struct plan_tile *tile)
+{
+    enum stp_result result = STP_OK;
+    while (result == STP_OK && record_deep_next(frame->deep))
+        result = run_tile(env, frame, scene, tile, NULL);
     return result;
 }
 
@@ -139,6 +152,8 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
     *read_back_ms = 0;
     for (uint32_t i = 0; i < plan->tile_count; i++) {
         double start = now_ms();
+        if (frame->deep)
+            record_deep_begin(frame->deep, &plan->tile[i]);
         enum stp_result result = run_tile(env, frame, scene, &plan->tile[i], NULL);
         if (result != STP_OK)
             return result;
@@ -146,6 +161,8 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
         *ms += end - start;
         if (image) {
             result = record_read_back(env, frame, scene, &plan->tile[i], image);
+            if (result == STP_OK && frame->deep)
+                result = run_windows(env, frame, scene, &plan->tile[i]);
             if (result != STP_OK)
                 return result;
             *read_back_ms += now_ms() - end;
@@ -233,6 +250,23 @@ static enum stp_result time_frames(const struct stp_env *env, struct record_fram
     return result;
 }
 
+/* The first frame, with all that is read of it. */
+static enum stp_result run_first(const struct stp_env *env, struct record_frame *frame,
+                                 const struct stp_scene *scene, struct stp_image *image,
+                                 struct stp_render_stats *stats)
+{
+    struct record_deep deep;
+    enum stp_result result = record_deep_create(env, frame->plan, &deep);
+    frame->deep = deep.taken ? &deep : NULL;
+    if (result == STP_OK)
+        result = record_run(env, frame, scene, image, &stats->first_frame_ms, &stats->read_back_ms);
+    if (result == STP_OK && frame->deep)
+        result = record_deep_finish(env, &deep, image);
+    frame->deep = NULL;
+    record_deep_destroy(&deep);
+    return result;
+}
+
 static enum stp_result run(const struct stp_env *env, struct record_frame *frame,
                            const struct stp_scene *scene, unsigned repeat, struct stp_image *image,
                            struct stp_render_stats *stats)
@@ -241,7 +275,7 @@ static enum stp_result run(const struct stp_env *env, struct record_frame *frame
     enum stp_result result = record_upload(env, frame, scene);
     stats->upload_ms = now_ms() - start;
     if (result == STP_OK)
-        result = record_run(env, frame, scene, image, &stats->first_frame_ms, &stats->read_back_ms);
+        result = run_first(env, frame, scene, image, stats);
     if (result == STP_OK && repeat)
         result = time_frames(env, frame, scene, repeat, stats);
     if (result == STP_OK && frame->context->messages)

@@ -14,7 +14,7 @@ struct nearest {
 /* Weighted sums over the fragments within epsilon of the nearest. */
 struct sums {
     double weight, depth, opacity;
-    struct vec3 normal, albedo;
+    struct vec3 normal, albedo, shaded; /* shaded: where each fragment is lit by itself */
     uint32_t count;
 };
 
@@ -33,7 +33,10 @@ double splat_opacity(const struct view *view, uint32_t id);
 void nearest_take(struct nearest *nearest, uint32_t id, const struct disc *disc,
                   const struct fragment *fragment);
 void sums_add(const struct view *view, struct sums *sums, uint32_t id, const struct disc *disc,
-              const struct fragment *fragment);
+              const struct fragment *fragment, const struct ray *ray);
+/* The surface's light: that of its normal, or the average of what its fragments send alone. */
+struct vec3 surface_color(const struct view *view, const struct surface *surface,
+                          const struct sums *sums);
 struct surface surface_resolve(const struct view *view, const struct nearest *nearest,
                                const struct sums *sums, const struct ray *ray);
 
@@ -43,6 +46,12 @@ struct vec3 surface_mirror(const struct view *view, const struct surface *surfac
 
 /* Whether this nearest layer of a ray is transparent and meets the environment. */
 bool surface_is_glass(const struct view *view, const struct surface *first);
+/* What such a layer does to light, with that many layers to see the environment through. */
+struct glass {
+    struct vec3 passed, mirrored; /* the share of what comes through; light that it mirrors */
+    struct vec3 seen;             /* of the environment */
+};
+struct glass surface_interface(const struct view *view, const struct surface *first, double layers);
 /* What the eye sees by such a layer: own, the layers' light, premultiplied; through, what they all
  * let pass. */
 struct vec3 surface_glass(const struct view *view, const struct surface *first, struct vec3 own,
