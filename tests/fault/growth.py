@@ -2,13 +2,16 @@
 """A hundred frames in one process do not make it grow."""
 import json
 import os
+import statistics
 import sys
 
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.abspath(__file__)), "..", "cli"))
 import command
 
 FRAMES = 100
-ALLOWED = 8 << 20  # bytes between the tenth frame and the last: one picture a frame would be 90
+# A leak of a page a frame shows in every frame. What the allocator and the driver keep grows in few
+# steps of some megabytes; a picture lost in every frame would be 62 of them.
+STEPS = 20 << 20  # bytes between the tenth frame and the last
 WAYS = [["--method", "exact"], ["--method", "reference"]]  # pass_memory has them all
 
 
@@ -26,7 +29,9 @@ class Growth(command.CommandTest):
                           "--stats", "s.json", *way)
                 resident = [frame["peak_rss"] for frame in json.loads(self.read("s.json"))]
                 self.assertEqual(len(resident), FRAMES)
-                self.assertLess(resident[-1] - resident[9], ALLOWED)
+                growth = [b - a for a, b in zip(resident[9:], resident[10:])]
+                self.assertEqual(statistics.median(growth), 0)
+                self.assertLess(sum(growth), STEPS)
                 first = self.read("f.0.exr")
                 self.assertEqual(self.read("f.%d.exr" % (FRAMES - 1)), first)
 
