@@ -52,7 +52,6 @@ static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan
     plan_reads(plan, pass, PLAN_OPACITIES);
     plan_reads(plan, pass, PLAN_MATERIALS);
     plan_reads(plan, pass, PLAN_NEAREST);
-    plan_reads(plan, pass, PLAN_LIMITS);
     return pass;
 }
 
@@ -82,9 +81,10 @@ static void raster(struct stp_plan *plan)
                   plan->params.shade == STP_SHADE_SPLAT;
     if (colors)
         plan_image(plan, "color sum", PLAN_IMAGE_SUM_COLOR, PLAN_RGBA32F, 1);
-    draw_visibility(plan, "visibility");
-    struct plan_pass *pass =
-        draw(plan, "blend", PLAN_SHADER_TWOPASS_SUM_FRAGMENT, PLAN_RASTER_BLEND);
+    struct plan_pass *pass = draw_visibility(plan, "visibility");
+    plan_reads(plan, pass, PLAN_LIMITS);
+    pass = draw(plan, "blend", PLAN_SHADER_TWOPASS_SUM_FRAGMENT, PLAN_RASTER_BLEND);
+    plan_reads(plan, pass, PLAN_LIMITS);
     plan_reads(plan, pass, PLAN_IMAGE_ID);
     plan_attaches(plan, pass, PLAN_IMAGE_SUM);
     plan_attaches(plan, pass, PLAN_IMAGE_SUM_DEPTH);
