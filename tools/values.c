@@ -385,6 +385,16 @@ bool value_axis_h(const struct option_spec *spec, const char *text, void *target
     return true;
 }
 
+/* 0 is none; where it is not given, it is 0 too. */
+bool value_uncertainty(const struct option_spec *spec, const char *text, void *target)
+{
+    double times;
+    if (!value_real(spec, text, &times))
+        return false;
+    *(double *)target = times > 0 ? times : -1;
+    return true;
+}
+
 bool value_min_splat(const struct option_spec *spec, const char *text, void *target)
 {
     double pixels;

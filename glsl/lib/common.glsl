@@ -58,6 +58,7 @@ layout(constant_id = 27) const uint AXIS_PART = 0;
 layout(constant_id = 28) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
 layout(constant_id = 29) const bool MIXED = false;       // some splats are opaque, where others are not
 layout(constant_id = 30) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
+layout(constant_id = 31) const bool ELLIPSOIDS = false;  // axis: of range images
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

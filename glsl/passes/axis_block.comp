@@ -6,6 +6,7 @@
 #include "lib/common.glsl"
 #include "lib/pixel.glsl"
 #include "lib/axis.glsl"
+#include "lib/ellipsoid.glsl"
 layout(local_size_x = STP_GROUP) in;
 
 const float DARK = 1.0 / 16777216; // what light is left then changes no float
@@ -40,11 +41,20 @@ void main()
     uint turns = done < count ? min(count - done, STP_AXIS_PART) : 0, next = first + count - done;
     for (uint n = 0; n < turns && left > DARK; n++) {
         uint splat = frame.order.v[--next];
-        vec4 place = frame.projected.v[2 * splat];
-        vec3 own = frame.projected.v[2 * splat + 1].xyz;
+        vec3 own;
+        vec4 place;
+        Ellipsoid ellipsoid;
+        if (ELLIPSOIDS) {
+            ellipsoid = ellipsoid_load(splat, own);
+        } else {
+            place = frame.projected.v[2 * splat];
+            own = frame.projected.v[2 * splat + 1].xyz;
+        }
         left = 0;
         [[unroll]] for (uint i = 0; i < STP_BLOCK; i++) {
-            float depth, w = color[i].w * axis_alpha(ray[i], place.xyz, place.w, depth);
+            float depth, w = color[i].w;
+            w *= ELLIPSOIDS ? ellipsoid_alpha(ellipsoid, ray[i].d, depth)
+                            : axis_alpha(ray[i], place.xyz, place.w, depth);
             color[i] += vec4(w * own, -w);
             depth_sum[i] += w * depth;
             left = max(left, color[i].w);

@@ -69,6 +69,11 @@ void main()
         color /= sum;
         depth /= sum;
     }
+    if (ELLIPSOIDS) { // a surface: what covers half of a ray or more is all there is of it
+        float scale = color.w > 0 ? min(1, 2 * color.w) / color.w : 0;
+        color *= scale;
+        depth *= scale;
+    }
 #endif
     frame.out_depth.v[at] = color.w > 0 ? depth / color.w : 1.0 / 0.0;
     frame.out_normal.v[at] = vec3(0);

@@ -42,6 +42,12 @@ static enum stp_transparency resolve_transparency(const struct stp_facts *facts,
     }
 }
 
+/* A volume, or ellipsoids of range images: kernels that need an order. */
+static bool facts_are_of_medium(const struct stp_facts *facts)
+{
+    return facts->volume.dims[0] || facts->range.frames;
+}
+
 static enum stp_method resolve_method(const struct stp_facts *facts,
                                       const struct stp_render_params *params,
                                       const struct stp_limits *limits)
@@ -51,7 +57,7 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
         return method_of(transparency);
     if (params->method != STP_METHOD_AUTO)
         return params->method;
-    return facts->volume.dims[0] ? STP_METHOD_AXIS : STP_METHOD_EXACT;
+    return facts_are_of_medium(facts) ? STP_METHOD_AXIS : STP_METHOD_EXACT;
 }
 
 static enum stp_result choose_transparency(const struct stp_env *env, struct stp_plan *plan)
@@ -84,7 +90,8 @@ static enum stp_result choose_transparency(const struct stp_env *env, struct stp
 bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
                            const struct stp_limits *limits)
 {
-    return !facts->volume.dims[0] && resolve_method(facts, params, limits) == STP_METHOD_DEFERRED;
+    return !facts_are_of_medium(facts) &&
+           resolve_method(facts, params, limits) == STP_METHOD_DEFERRED;
 }
 
 /* Blocks in compute but where the rasteriser is asked for: measured (docs/results/axis.md). */
@@ -306,11 +313,14 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         explain(plan);
         return STP_OK;
     }
-    bool volume = plan->facts.volume.dims[0] > 0;
+    bool volume = facts_are_of_medium(&plan->facts);
     if (volume != (plan->method == STP_METHOD_AXIS))
         return log_error(env, STP_ERROR_ARGUMENT,
-                         volume ? "method %s draws surfaces; a volume takes axis or reference"
-                                : "method %s draws volumes; points take exact or another",
+                         !volume ? "method %s draws volumes; points take exact or another"
+                         : plan->facts.range.frames
+                             ? "method %s draws discs; range images take axis or reference, or "
+                               "--range-splats discs"
+                             : "method %s draws surfaces; a volume takes axis or reference",
                          stp_method_name(plan->method));
     if (plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
         return log_error(env, STP_ERROR_ARGUMENT,

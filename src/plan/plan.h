@@ -46,6 +46,7 @@ enum plan_constant {
     PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
+    PLAN_ELLIPSOIDS, /* axis: every kernel has its own shape, and together they are a surface */
     PLAN_CONSTANTS
 };
 

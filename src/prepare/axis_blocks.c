@@ -25,9 +25,9 @@ static void enter(const struct blocking *b, size_t run, uint32_t place)
     struct axis_blocks *blocks = b->blocks;
     size_t *cursor = b->cursor + run * blocks->across * blocks->down;
     struct axis_rectangle r;
-    double centre[3];
-    axis_centre(&b->view, b->view.volume->kernels.voxel[b->lists->order[place]], centre);
-    if (!axis_pixels(&b->view, centre, &r))
+    struct axis_kernel kernel;
+    axis_kernel(&b->view, b->lists->order[place], &kernel);
+    if (!axis_pixels(kernel.view, kernel.centre, &r))
         return;
     for (int64_t y = r.y0 / AXIS_BLOCK; y <= r.y1 / AXIS_BLOCK; y++)
         for (int64_t x = r.x0 / AXIS_BLOCK; x <= r.x1 / AXIS_BLOCK; x++) {

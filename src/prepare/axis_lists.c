@@ -49,33 +49,34 @@ struct sifting {
 };
 
 /* Has the kernel a fragment in the region? The middle of its pixels first: mostly that is one. */
-static bool draws(const struct sifting *s, const struct axis_region *region,
-                  const struct axis_rectangle *r, const double centre[3], double tau)
+static bool draws(const struct axis_kernel *kernel, const struct axis_region *region,
+                  const struct axis_rectangle *r, double tau)
 {
+    const struct axis_view *view = kernel->view;
+    const double *centre = kernel->centre;
     double x = (double)((r->x0 + r->x1) / 2) + 0.5, y = (double)((r->y0 + r->y1) / 2) + 0.5;
     if (region && !axis_region_reaches(region, r))
         return false;
-    bool found =
-        (!region || axis_region_holds(region, x, y)) && axis_hits(&s->view, centre, tau, x, y);
+    bool found = (!region || axis_region_holds(region, x, y)) && axis_hits(view, centre, tau, x, y);
     for (int64_t py = r->y0; !found && py <= r->y1; py++)
         for (int64_t px = r->x0; !found && px <= r->x1; px++)
             found = (!region || axis_region_holds(region, (double)px + 0.5, (double)py + 0.5)) &&
-                    axis_hits(&s->view, centre, tau, (double)px + 0.5, (double)py + 0.5);
+                    axis_hits(view, centre, tau, (double)px + 0.5, (double)py + 0.5);
     return found;
 }
 
 static void sift_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct sifting *s = context;
-    const struct kernels *k = &s->scene->volume->kernels;
     for (size_t i = begin; i < end; i++) {
         struct axis_rectangle r;
-        double centre[3], tau = (double)k->tau[i];
+        struct axis_kernel kernel;
         unsigned mask = 0;
-        axis_centre(&s->view, k->voxel[i], centre);
-        bool seen = axis_pixels(&s->view, centre, &r);
+        axis_kernel(&s->view, (uint32_t)i, &kernel);
+        bool seen = axis_pixels(kernel.view, kernel.centre, &r);
+        double tau = seen ? axis_tau(&s->view, (uint32_t)i) : 0;
         for (unsigned w = 0; seen && w < AXIS_WALKS; w++)
-            if (s->open[w] && draws(s, s->everywhere ? NULL : &s->region[w], &r, centre, tau))
+            if (s->open[w] && draws(&kernel, s->everywhere ? NULL : &s->region[w], &r, tau))
                 mask |= 1u << w;
         s->mask[i] = (uint8_t)mask;
     }
@@ -144,21 +145,32 @@ static uint64_t descending_key(double value)
     return ~bits;
 }
 
-/* By distance from the eye, far to near. */
+/* Distance from the eye; of an axis's walk, the way along its rays. */
+static double order_of(const struct sifting *s, const struct axis_walk *walk, uint32_t kernel,
+                       enum stp_axis_merge merge)
+{
+    double world[3];
+    axis_centre(&s->view, kernel, world);
+    if (merge != STP_AXIS_SORT)
+        return walk->backwards ? -world[walk->axis] : world[walk->axis];
+    struct vec3 c = m4_point(s->view.camera->world_to_camera, v3_load(world));
+    return s->view.camera->orthographic ? -c.z : v3_dot(c, c);
+}
+
+/* Far to near, where there are no sheets; of equal ones the first is the nearer. */
 static enum stp_result fill_sorted(const struct stp_env *env, const struct sifting *s, unsigned w,
-                                   const struct axis_walk *walk, uint32_t *order)
+                                   const struct axis_walk *walk, enum stp_axis_merge merge,
+                                   uint32_t *all)
 {
     const struct kernels *k = &s->scene->volume->kernels;
+    uint32_t *order = all + walk->first;
     uint64_t *key = mem_alloc(walk->count, sizeof *key);
     uint32_t n = 0;
     if (!key)
         return log_no_memory(env, walk->count * sizeof *key, "distances");
     for (size_t i = k->count; i-- > 0;)
         if (s->mask[i] >> w & 1) {
-            double world[3];
-            axis_centre(&s->view, k->voxel[i], world);
-            struct vec3 c = m4_point(s->view.camera->world_to_camera, v3_load(world));
-            key[n] = descending_key(s->view.camera->orthographic ? -c.z : v3_dot(c, c));
+            key[n] = descending_key(order_of(s, walk, (uint32_t)i, merge));
             order[n++] = (uint32_t)i;
         }
     enum stp_result result = radix_sort(env, n, key, order);
@@ -190,7 +202,7 @@ static void count_walks(const struct sifting *s, struct axis_lists *lists,
 static enum stp_result fill_walks(const struct stp_env *env, const struct sifting *s,
                                   const unsigned *source, struct axis_lists *lists)
 {
-    const uint32_t *dims = s->scene->volume->grid.dims;
+    const uint32_t *dims = s->scene->volume->grid.dims; /* of ellipsoids 0 */
     uint32_t longest = dims[0] > dims[1] ? dims[0] : dims[1];
     longest = longest > dims[2] ? longest : dims[2];
     lists->order = mem_alloc(lists->count, sizeof *lists->order);
@@ -199,8 +211,8 @@ static enum stp_result fill_walks(const struct stp_env *env, const struct siftin
     if (!lists->order || !place)
         result = log_no_memory(env, lists->count * sizeof *lists->order, "the axis lists");
     for (unsigned n = 0; result == STP_OK && n < lists->walk_count; n++) {
-        if (lists->merge == STP_AXIS_SORT)
-            result = fill_sorted(env, s, source[n], &lists->walk[n], lists->order);
+        if (lists->merge == STP_AXIS_SORT || s->view.is_ellipsoid)
+            result = fill_sorted(env, s, source[n], &lists->walk[n], lists->merge, lists->order);
         else
             fill_walk(s, source[n], &lists->walk[n], place, lists->order);
     }

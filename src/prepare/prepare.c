@@ -10,6 +10,7 @@
 #include "prepare/merge.h"
 #include "prepare/object.h"
 #include "prepare/order.h"
+#include "prepare/range.h"
 #include "prepare/volume.h"
 
 struct preparation {
@@ -149,6 +150,8 @@ enum stp_result stp_scene_prepare(const struct stp_env *env, struct stp_scene *s
     if (result != STP_OK)
         return result;
     environment_facts(scene, &scene->facts);
+    if (scene->volume && volume_is_range(scene->volume))
+        return prepare_range(env, scene, params);
     return scene->volume ? prepare_volume(env, scene, params)
                          : prepare_scene(env, scene, params ? params : &defaults);
 }

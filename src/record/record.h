@@ -59,7 +59,10 @@ enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp
                                            const struct record_host *host,
                                            struct record_frame *frame);
 
-/* upload.c: the scene's buffers of the plan. */
+/* upload.c: the scene's buffers of the plan. upload_range.c: its kernels, where they are
+ * ellipsoids. */
+enum stp_result upload_ellipsoids(const struct stp_env *env, struct record_frame *frame,
+                                  const struct stp_scene *scene, struct gpu_buffer *buffer);
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
                               const struct stp_scene *scene);
 
