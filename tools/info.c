@@ -51,6 +51,8 @@ static void find_problems(const struct stp_facts *facts, struct problems *proble
     note(problems, facts->bad_radii,
          "radius is zero, negative, not finite or monstrous: set from the spacing",
          "radii are zero, negative, not finite or monstrous: set from the spacing");
+    note(problems, facts->bad_phong, "ellipse is not finite, flat or skew: drawn as a disc",
+         "ellipses are not finite, flat or skew: drawn as discs");
     note(problems, facts->outliers, "point is far from everything: its radius is bounded",
          "points are far from everything: their radii are bounded");
     note(problems, facts->no_normal,
@@ -125,6 +127,11 @@ static void print_points(const struct stp_facts *facts)
     printf("%zu in %u object%s\n", facts->points, facts->objects, facts->objects == 1 ? "" : "s");
     row("splats");
     printf("%zu\n", facts->splats);
+    if (facts->phong) {
+        row("ellipses");
+        printf("%zu with normal fields, %zu of them with clip lines\n", facts->phong,
+               facts->clip_lines);
+    }
     if (facts->clipped) {
         row("clipped");
         printf("%zu\n", facts->clipped);
@@ -238,12 +245,14 @@ static void add_counts(struct json_out *out, cJSON *json, const struct stp_facts
         const char *key;
         size_t value;
     } counts[] = {
-        { "points", facts->points },         { "splats", facts->splats },
-        { "objects", facts->objects },       { "lights", facts->lights },
-        { "not_finite", facts->not_finite }, { "clipped", facts->clipped },
-        { "duplicates", facts->duplicates }, { "bad_normals", facts->bad_normals },
-        { "bad_radii", facts->bad_radii },   { "outliers", facts->outliers },
-        { "no_normal", facts->no_normal },   { "groups", facts->grouping.groups },
+        { "points", facts->points },          { "splats", facts->splats },
+        { "objects", facts->objects },        { "lights", facts->lights },
+        { "not_finite", facts->not_finite },  { "clipped", facts->clipped },
+        { "duplicates", facts->duplicates },  { "bad_normals", facts->bad_normals },
+        { "bad_radii", facts->bad_radii },    { "outliers", facts->outliers },
+        { "bad_phong", facts->bad_phong },    { "no_normal", facts->no_normal },
+        { "ellipses", facts->phong },         { "clipped_splats", facts->clip_lines },
+        { "groups", facts->grouping.groups },
     };
     for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
         json_number(out, json, counts[i].key, (double)counts[i].value);

@@ -16,7 +16,7 @@
 #define REPORT   COMMAND_REPORT
 #define PICTURE  (RENDER | PLAN)
 #define VIEW     (RENDER | PLAN | REPORT)
-#define VOLUMES  (INFO | RENDER | PLAN)
+#define VOLUMES  (INFO | RENDER | PLAN | REPORT)
 #define POINTS   (RENDER | PLAN | PREPARE | REPORT)
 #define ALL      (INFO | RENDER | PLAN | PREPARE | COMPARE | DEVICES | REPORT)
 #define ABOVE_0  DBL_TRUE_MIN, DBL_MAX
@@ -159,7 +159,7 @@ const struct option_spec option_table[] = {
     { NULL, POINTS, "thickness", 0, "T",
       "of a layer of every transparent surface (default: that of the scene .json, else 1)",
       value_optics, AT(optics.thickness), "a number from 0", 0, 1e30, NULL },
-    { NULL, PICTURE, "layers", 0, "multi|single",
+    { NULL, VIEW, "layers", 0, "multi|single",
       "an environment is seen through transparent surfaces bent and absorbed by all layers, or by "
       "the nearest alone (default: multi)",
       value_choice, AT(render.layers), NULL, 0, 0, NULL },

@@ -117,22 +117,24 @@ void attributes_store(uint level, ivec2 p, Attributes a)
 // would be thinner than the floor turns towards the eye until it is not. False: missed.
 bool disc_hit(Texel t, vec2 q, out float depth)
 {
-    vec2 inverse = vec2(frame.inv_focal[0], frame.inv_focal[1]), d = (q - t.center) * inverse;
-    vec2 at = (t.center + sample_shift() - vec2(frame.center[0], frame.center[1])) * inverse;
+    vec2 inverse = vec2(frame.inv_focal[0], frame.inv_focal[1]);
+    PRECISE vec2 d = (q - t.center) * inverse;
+    PRECISE vec2 at = (t.center + sample_shift() - vec2(frame.center[0], frame.center[1])) * inverse;
     vec3 ray = ORTHOGRAPHIC ? vec3(0, 0, 1) : vec3(at, 1);
     float unit = ORTHOGRAPHIC ? 1 : t.depth;
-    float least = frame.pyramid_floor * min(inverse.x, inverse.y) * unit; // half the floor, scene units
-    float radius = max(t.radius, least), slope = least / radius;
-    vec3 view = ray * inversesqrt(dot(ray, ray)), n = t.normal;
-    float facing = dot(n, view);
+    PRECISE float least = frame.pyramid_floor * min(inverse.x, inverse.y) * unit; // half the floor, scene units
+    PRECISE float radius = max(t.radius, least), slope = least / radius;
+    PRECISE vec3 view = ray * inversesqrt(dot(ray, ray)), n = t.normal;
+    PRECISE float facing = dot(n, view);
     if (abs(facing) < slope) {
-        vec3 along = n - facing * view;
+        PRECISE vec3 along = n - facing * view;
         float flat_ = facing < 0 ? -slope : slope;
         n = flat_ * view + along * (sqrt(1 - slope * slope) * inversesqrt(max(dot(along, along), 1e-20)));
     }
-    float g = dot(n, ray), rise = n.x * d.x + n.y * d.y, den = ORTHOGRAPHIC ? g : g + rise;
-    vec3 v = (g * vec3(d, 0) - ray * rise) * (unit / den);
-    depth = t.depth - unit * rise / den;
+    PRECISE float g = dot(n, ray), rise = n.x * d.x + n.y * d.y, den = ORTHOGRAPHIC ? g : g + rise;
+    PRECISE vec3 v = (g * vec3(d, 0) - ray * rise) * (unit / den);
+    PRECISE float plane = t.depth - unit * rise / den;
+    depth = plane;
     return den * g > 0 && dot(v, v) <= radius * radius;
 }
 #endif

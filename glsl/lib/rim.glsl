@@ -15,7 +15,7 @@ float disc_crowd(Texel t)
         vec3 ray = vec3((t.center - vec2(frame.center[0], frame.center[1])) * inverse, 1);
         facing = abs(dot(t.normal, ray)) * inversesqrt(dot(ray, ray));
     }
-    float r = t.radius * scale, area = 3.14159 * r * r * frame.focal[0] * frame.focal[1] * facing;
+    PRECISE float r = t.radius * scale, area = 3.14159 * r * r * frame.focal[0] * frame.focal[1] * facing;
     return 0.6 * clamp((16 - area) / 12, 0, 1);
 }
 
@@ -46,8 +46,9 @@ ivec4 disc_box(Texel t, vec2 reach)
 // nearer.
 bool rim_hit(Texel t, float crowd, vec2 q, out float depth)
 {
-    vec2 d = t.center - q;
-    float away = length(d);
-    bool hit = disc_hit(t, q + d * (min(crowd, away) / max(away, 1e-6)), depth);
+    PRECISE vec2 d = t.center - q;
+    PRECISE float away = length(d);
+    PRECISE vec2 at = q + d * (min(crowd, away) / max(away, 1e-6));
+    bool hit = disc_hit(t, at, depth);
     return hit && depth >= frame.near_depth && depth <= frame.far_depth;
 }

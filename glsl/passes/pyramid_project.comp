@@ -2,8 +2,12 @@
 #extension GL_GOOGLE_include_directive : require
 // MKC 3.1: every point to one pixel, by one atomic. Depth decides, ties go to the lower id. An
 // invocation takes many points: starting one costs a CPU device as much as projecting several.
+// Without 64-bit atomics the id takes a pass of its own (NEAREST_ID).
 #include "lib/common.glsl"
+#ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
+#endif
+#define SAME_BITS
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #include "lib/points.glsl"
@@ -17,8 +21,20 @@ void project(uint index)
     bool seen = point_load(index, s);
     if (!point_pixel(s, pixel, offset) || !seen)
         return;
-    uint at = grid_index(pixel), depth = depth_order(s.center.z), id = push_first + index;
+    uint at = grid_index(pixel), depth = key_depth(s.center.z), id = push_first + index;
+#ifdef WITH_ATOMIC64
     atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | id);
+#else
+    UintRef word = UintRef(uint64_t(frame.keys));
+#ifdef NEAREST_ID
+    if (word.v[2 * at + 1] == depth)
+        atomicMin(word.v[2 * at], id);
+#else
+    // What an earlier chunk left lies behind: its id goes.
+    if (atomicMin(word.v[2 * at + 1], depth) > depth)
+        word.v[2 * at] = STP_NO_POINT;
+#endif
+#endif
 }
 
 void main()

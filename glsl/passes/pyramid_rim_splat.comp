@@ -1,9 +1,12 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // A workgroup a point: its disc's depth into the empty pixels that it covers, the nearest wins, ties go
-// to the pixel that comes first.
+// to the pixel that comes first. Without 64-bit atomics that takes a pass of its own (NEAREST_ID).
 #include "lib/common.glsl"
+#ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
+#endif
+#define SAME_BITS
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #define ATTRIBUTES 0
@@ -18,8 +21,16 @@ void visit(Texel t, float crowd, uint code, uvec2 p)
     bool empty = state >= STP_RIM && state != STP_NO_POINT;
     if (!rim_hit(t, crowd, rim_position(p), z) || !empty)
         return;
-    uint depth = depth_order(z);
+    uint depth = key_depth(z);
+#ifdef WITH_ATOMIC64
     atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | code);
+#elif defined(NEAREST_ID)
+    UintRef word = UintRef(uint64_t(frame.keys));
+    if (word.v[2 * at + 1] == depth)
+        atomicMin(word.v[2 * at], code);
+#else
+    atomicMin(UintRef(uint64_t(frame.keys)).v[2 * at + 1], depth);
+#endif
 }
 
 void main()

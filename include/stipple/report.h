@@ -9,8 +9,9 @@ extern "C" {
 #endif
 
 struct stp_report_params {
-    struct stp_render_params render; /* what every configuration shares; method, path, payload and
-                                        voronoi are swept, samples and aovs are not used */
+    struct stp_render_params render; /* what every configuration shares; method, path, payload,
+                                        voronoi, transparency and axis_* are swept, samples and
+                                        aovs are not used */
     struct stp_group_params group;   /* relax and max_groups; overlap is swept */
     unsigned rounds;                 /* visits to each configuration, three timed frames each;
                                         0: 3, or 2 when quick */

@@ -39,14 +39,30 @@ struct stp_light {
     float color[3];      /* linear; 1 is the default head light */
 };
 
+/* BSK 3: an elliptical splat and its linear normal field. With c the position and n the normal of
+ * the point, v = n x u, the splat is drawn at c + s radius[0] u + t radius[1] v where s^2 + t^2 <=
+ * 1 and its clip lines keep it (Eq. 1), and is lit by the direction of N = n + (field[0] + field[1]
+ * s) u + (field[2] + field[3] t) v (Eq. 2). */
+struct stp_phong_splat {
+    float u[3];      /* unit, at right angles to the normal; (0, 0, 0): a disc of the point's radius
+                        and normal, the rest is of no matter */
+    float radius[2]; /* semi-axes along u and v, > 0 */
+    float field[4];
+    float clip[2][3]; /* a s + b t + c >= 0 is kept */
+    uint8_t clips;    /* lines: 0, 1, 2 */
+    uint8_t reflex; /* of two lines: 0 both must keep it (a convex edge), 1 either (a reflex one) */
+};
+
 /* Points handed over in memory. Arrays are borrowed for the call only. */
 struct stp_points {
     size_t count;
     const double (*position)[3];
-    const float (*normal)[3]; /* NULL: estimated */
-    const float *radius;      /* NULL: from local spacing; 0 or NaN: that one is */
-    const float (*color)[3];  /* NULL: the material's albedo; linear */
-    const float *opacity;     /* NULL: 1; NaN: 1; clamped to [0, 1]; 0: not drawn */
+    const float (*normal)[3];            /* NULL: estimated */
+    const float *radius;                 /* NULL: from local spacing; 0 or NaN: that one is */
+    const float (*color)[3];             /* NULL: the material's albedo; linear */
+    const float *opacity;                /* NULL: 1; NaN: 1; clamped to [0, 1]; 0: not drawn */
+    const struct stp_phong_splat *phong; /* NULL: discs; else with normals, and radius gives way to
+                                            the larger of the splat's own two */
 };
 
 /* One object of a scene. */
@@ -184,6 +200,7 @@ struct stp_facts {
     size_t bad_normals; /* zero or not finite, estimated instead */
     size_t bad_radii;   /* zero, negative, not finite or monstrous, set from the spacing */
     size_t outliers;    /* far from everything; their radius was bounded */
+    size_t bad_phong;   /* ellipses that are not finite, flat or skew: drawn as discs instead */
     size_t no_normal;   /* splats that face the eye: no normal could be estimated */
     enum stp_normals normals;
     bool has_color, has_opacity, two_sided;
@@ -196,7 +213,9 @@ struct stp_facts {
     double bounds[6];     /* of the centres: min x y z, max x y z; absolute */
     double origin[3];     /* positions on the device are relative to it */
     float radius_min, radius_median, radius_max;
-    float color_max; /* largest colour component; 0 without colours */
+    size_t phong;      /* splats that are ellipses, have a normal field or clip lines */
+    size_t clip_lines; /* of them, those with clip lines */
+    float color_max;   /* largest colour component; 0 without colours */
     unsigned objects, lights;
     bool positional_lights;
     unsigned environment_levels; /* sharp, then one for each roughness; 0: no environment */

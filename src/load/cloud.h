@@ -13,10 +13,11 @@ struct cloud_field {
 struct cloud {
     size_t count;
     double (*position)[3];
-    float (*normal)[3]; /* NULL: the file has none */
-    float *radius;      /* NULL: none */
-    float (*color)[3];  /* NULL: none; linear */
-    float *opacity;     /* NULL: none */
+    float (*normal)[3];            /* NULL: the file has none */
+    float *radius;                 /* NULL: none */
+    float (*color)[3];             /* NULL: none; linear */
+    float *opacity;                /* NULL: none */
+    struct stp_phong_splat *phong; /* NULL: none; else there are normals */
     unsigned field_count;
     struct cloud_field *fields; /* only the one that color_by asks for, unless asked for all */
     enum stp_up up;             /* what the format says; STP_UP_Y where it says nothing */

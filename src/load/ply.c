@@ -143,6 +143,27 @@ static void warn_trailing(const struct ply_file *file)
                     file->path, file->bytes->size - end);
 }
 
+/* The body into a cloud that is allocated; ellipses by way of floats. */
+static enum stp_result read_cloud(const struct ply_file *file, const struct load_options *options,
+                                  unsigned phong_values, struct table *table, struct cloud *cloud)
+{
+    float(*raw)[PLY_PHONG_VALUES] = NULL;
+    if (phong_values) {
+        raw = mem_alloc(cloud->count, sizeof *raw);
+        if (!raw)
+            return log_no_memory(file->env, cloud->count * sizeof *raw, file->path);
+        ply_phong_slots(table, phong_values, raw);
+    }
+    enum stp_result result = read_body(file, table);
+    if (result == STP_OK)
+        result = table_finish(file->env, file->path, options, table, cloud);
+    if (result == STP_OK && phong_values)
+        result = ply_phong_finish(file->env, file->path, phong_values,
+                                  (const float(*)[PLY_PHONG_VALUES])raw, cloud);
+    mem_free(raw);
+    return result;
+}
+
 static enum stp_result read_vertices(const struct ply_file *file,
                                      const struct load_options *options, struct table *table,
                                      struct cloud *cloud)
@@ -155,7 +176,10 @@ static enum stp_result read_vertices(const struct ply_file *file,
                          file->header.body, table_has(table, ROLE_X) ? "y" : "x");
     if (!table_has(table, ROLE_Z))
         log_warning(file->env, "%s: element \"vertex\" has no property z: taken as 0", file->path);
+    unsigned phong_values = 0;
     enum stp_result result = table_plan(file->env, file->path, options, table);
+    if (result == STP_OK && file->header.prepared)
+        result = ply_phong_plan(file->env, file->path, table, &phong_values);
     if (result == STP_OK)
         result = check_size(file);
     if (result == STP_OK)
@@ -163,10 +187,7 @@ static enum stp_result read_vertices(const struct ply_file *file,
     if (result != STP_OK)
         return result;
     warn_trailing(file);
-    result = read_body(file, table);
-    if (result == STP_OK)
-        result = table_finish(file->env, file->path, options, table, cloud);
-    return result;
+    return read_cloud(file, options, phong_values, table, cloud);
 }
 
 static enum stp_result read_points(struct ply_file *file, const struct load_options *options,

@@ -69,4 +69,14 @@ enum stp_result ply_binary_read(const struct stp_env *env, const char *path,
                                 const struct ply_element *element, size_t offset,
                                 const struct table *table);
 
+/* Ellipses of a prepared file. After table_plan: how many of their properties there are, 0 for
+ * none; what is unknown or missing is refused. After table_allocate: where they are read to. Then:
+ * what is made of them. */
+#define PLY_PHONG_VALUES 17
+enum stp_result ply_phong_plan(const struct stp_env *env, const char *path,
+                               const struct table *table, unsigned *values);
+void ply_phong_slots(struct table *table, unsigned values, float (*raw)[PLY_PHONG_VALUES]);
+enum stp_result ply_phong_finish(const struct stp_env *env, const char *path, unsigned values,
+                                 const float (*raw)[PLY_PHONG_VALUES], struct cloud *cloud);
+
 #endif

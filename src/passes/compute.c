@@ -25,12 +25,12 @@ enum stp_result pass_compute_pipeline(const struct stp_env *env, struct stp_cont
     return result == VK_SUCCESS ? STP_OK : gpu_error(env, result, "vkCreateComputePipelines");
 }
 
-/* The level that a pass writes, or the points that it takes. */
+/* The level that a pass writes, or, of level 0, the points that it takes. */
 static void push_pyramid(struct stp_context *context, VkCommandBuffer commands,
-                         const struct stp_plan *plan, const struct plan_pass *pass,
-                         const struct pass_resources *resources)
+                         const struct plan_pass *pass, const struct pass_resources *resources)
 {
-    const uint32_t first = pass->level, count = (uint32_t)plan->facts.splats;
+    const uint32_t first = pass->level ? pass->level : resources->points.first;
+    const uint32_t count = resources->points.count;
     context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, PASS_PUSH_FIRST,
                                    sizeof first, &first);
     context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, PASS_PUSH_COUNT,
@@ -44,7 +44,7 @@ void pass_record_compute(struct stp_context *context, VkCommandBuffer commands,
 {
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_COMPUTE, pipeline);
     if (plan->method == STP_METHOD_PYRAMID)
-        push_pyramid(context, commands, plan, pass, resources);
+        push_pyramid(context, commands, pass, resources);
     if (pass->kind == PLAN_DISPATCH_INDIRECT) {
         const struct gpu_buffer *work = &resources->buffer[plan_find(plan, PLAN_WORK)];
         context->vk.vkCmdDispatchIndirect(commands, work->handle, pass->offset);
@@ -57,6 +57,8 @@ void pass_record_compute(struct stp_context *context, VkCommandBuffer commands,
         struct plan_grid grid = plan_tile_grid(plan, tile);
         groups = plan_level_blocks(&grid, pass->level);
     }
+    if (pass->of_points)
+        groups = (resources->points.count + STP_POINT_RUN - 1) / STP_POINT_RUN;
     /* Rows: no device need take more than 65535 along x. */
     context->vk.vkCmdDispatch(commands, groups < STP_ROW ? groups : STP_ROW,
                               (groups + STP_ROW - 1) / STP_ROW, 1);

@@ -12,13 +12,16 @@ struct pass_resources {
     struct gpu_image image[PLAN_MAX_RESOURCES];
     VkBufferView texels[PLAN_MAX_RESOURCES]; /* of buffers that are fetched as texels */
     struct gpu_buffer constants;             /* the frame block */
-    VkPipelineLayout layout;                 /* not owned */
+    struct pass_points {
+        uint32_t first, count;
+    } points;                /* pyramid: those in the buffers */
+    VkPipelineLayout layout; /* not owned */
     VkDescriptorPool pool;
     VkDescriptorSet set;
 };
 
-/* Push constants: the first splat of a draw or the level of a pyramid, the sample's index, a count
- * of points; then, of a host's frame, struct pass_host_push. */
+/* Push constants: the first splat of a draw, or of those on the device, or the level of a pyramid;
+ * the sample's index; a count of points; then, of a host's frame, struct pass_host_push. */
 #define PASS_PUSH_FIRST  0
 #define PASS_PUSH_SAMPLE 4
 #define PASS_PUSH_COUNT  8

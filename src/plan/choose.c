@@ -148,11 +148,6 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
         return log_error(env, STP_ERROR_FEATURE,
                          "--path raster needs shaderStorageImageExtendedFormats, which the device "
                          "lacks; use --path compute");
-    if (plan->method == STP_METHOD_PYRAMID && !atomics)
-        return log_error(
-            env, STP_ERROR_FEATURE,
-            "method pyramid needs shaderBufferInt64Atomics, which the device lacks; use "
-            "--method exact");
     if (path == STP_PATH_COMPUTE && plan->method == STP_METHOD_DEFERRED && !atomics)
         return log_error(env, STP_ERROR_FEATURE,
                          "deferred --path compute%s needs shaderBufferInt64Atomics, which the "

@@ -12,6 +12,7 @@
 #define PLAN_MAX_PASSES    72 /* STP_MAX_GROUPS layers, and what comes after them */
 #define PLAN_MAX_ACCESSES  16
 #define PLAN_NONE          255
+#define PLAN_MAX_CHUNKS    256
 
 /* Specialisation constants; the order of glsl/lib/common.glsl. */
 enum plan_constant {
@@ -165,9 +166,13 @@ enum plan_shader {
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE,
     PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR,
     PLAN_SHADER_PYRAMID_PROJECT,
+    PLAN_SHADER_PYRAMID_PROJECT32,
+    PLAN_SHADER_PYRAMID_PROJECT_ID32,
     PLAN_SHADER_PYRAMID_BLOCKS,
     PLAN_SHADER_PYRAMID_RIM_FIND,
     PLAN_SHADER_PYRAMID_RIM_SPLAT,
+    PLAN_SHADER_PYRAMID_RIM_SPLAT32,
+    PLAN_SHADER_PYRAMID_RIM_SPLAT_ID32,
     PLAN_SHADER_PYRAMID_GATHER, /* then with colours; then with ids and objects; so below */
     PLAN_SHADER_PYRAMID_GATHER_COLOR,
     PLAN_SHADER_PYRAMID_GATHER_ALL,
@@ -254,6 +259,7 @@ struct plan_pass {
     uint32_t groups;                   /* DISPATCH: workgroups; 0: one a block of the tile */
     uint32_t level;                    /* pyramid: the level that is written */
     bool of_grid;                      /* DISPATCH: one a block of that level of the tile's grid */
+    bool of_points;                    /* DISPATCH: one a run of the points on the device */
     bool repair;                       /* specialised with PLAN_REPAIR on */
     uint32_t layer, layer_count;       /* DRAW: of the attachments; axis: the walk */
     uint32_t part;                     /* axis: of a walk's lists */
@@ -306,6 +312,11 @@ struct stp_plan {
     /* Passes [loop_first, repeat_end) are run again and again, for as long as they leave
      * STP_WORK_REMAINING set; not at all when it was not. 0: none are. */
     uint32_t loop_first;
+    /* Points that the device cannot hold at once pass through its buffers in chunks: passes
+     * [chunk_first, chunk_end) are run once a chunk, of points [chunk[i], chunk[i + 1]). */
+    uint32_t chunk_count; /* 0: all points are there at once */
+    uint32_t chunk_first, chunk_end;
+    uint32_t chunk[PLAN_MAX_CHUNKS + 1];
     uint32_t tile_width, tile_height; /* the largest */
     uint32_t levels;                  /* of the pyramid; 0: no pyramid */
     struct plan_grid grid;            /* of the whole picture */
@@ -376,6 +387,10 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
 void plan_pyramid(struct stp_plan *plan);
 void plan_pyramid_resources(struct stp_plan *plan);
 void plan_pyramid_view(struct stp_plan *plan); /* levels, grid and constants; once a plan */
+/* plan/pyramid_chunks.c: the points on the device at once, at most. */
+uint64_t plan_chunk_points(const struct stp_plan *plan);
+/* Cuts the points into chunks where the device cannot hold them all; false: not even so. */
+bool plan_pyramid_chunks(struct stp_plan *plan);
 struct plan_grid plan_tile_grid(const struct stp_plan *plan, const struct plan_tile *tile);
 /* Workgroups of a pass over one level of a grid. */
 uint32_t plan_level_blocks(const struct plan_grid *grid, uint32_t level);

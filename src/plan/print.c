@@ -51,6 +51,10 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
     for (uint32_t i = 0; i < plan->pass_count; i++) {
         if (repeats && i == plan->repeat_first)
             fprintf(out, " for each of %u samples:\n", plan_samples(plan));
+        if (plan->chunk_count && i == plan->chunk_first)
+            fprintf(out, " for each chunk of points:\n");
+        if (plan->chunk_count && i == plan->chunk_end)
+            fprintf(out, " then:\n");
         if ((repeats || plan->loop_first) && i == plan->repeat_end)
             fprintf(out, " then:\n");
         if (plan->loop_first && i == plan->loop_first)
@@ -100,6 +104,9 @@ static void print(FILE *out, const struct stp_plan *plan)
             fprintf(out, " %s=%u", constant_names[i], plan->constant[i]);
     fprintf(out, "\ntiles: %u of at most %u x %u\n", plan->tile_count, plan->tile_width,
             plan->tile_height);
+    if (plan->chunk_count)
+        fprintf(out, "chunks: %u of at most %llu points\n", plan->chunk_count,
+                (unsigned long long)plan_chunk_points(plan));
     fprintf(out, "resources: scene %llu, transient %llu, output %llu bytes\n",
             (unsigned long long)plan_bytes(plan, PLAN_SCENE),
             (unsigned long long)plan_bytes(plan, PLAN_TRANSIENT),

@@ -159,7 +159,7 @@ static uint8_t texels(struct stp_plan *plan, const char *name, enum plan_slot sl
 
 static void scene_resources(struct stp_plan *plan)
 {
-    uint64_t n = plan->facts.splats;
+    uint64_t n = plan_chunk_points(plan);
     texels(plan, "points", PLAN_TEXEL_POINTS, PLAN_TEXELS_RGBA32UI, n * 16);
     texels(plan, "radii", PLAN_TEXEL_RADII, PLAN_TEXELS_R32F, n * 4);
     if (plan->facts.has_color)
@@ -230,17 +230,24 @@ static struct plan_pass *dispatch(struct stp_plan *plan, const char *name, enum 
 
 static void project(struct stp_plan *plan, const char *name, enum plan_shader shader)
 {
-    struct plan_pass *pass = dispatch(plan, name, shader);
-    pass->of_grid = false;
-    pass->groups = (uint32_t)((plan->facts.splats + STP_POINT_RUN - 1) / STP_POINT_RUN);
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
+    pass->shader = shader;
+    pass->of_points = true;
     plan_reads(plan, pass, PLAN_TEXEL_POINTS);
     plan_updates(plan, pass, PLAN_KEYS);
 }
 
+/* Without 64-bit atomics the ids take a pass of their own, with the same outcome. */
 static void project_all(struct stp_plan *plan)
 {
     plan_fill(plan, PLAN_KEYS, STP_NO_POINT, "clear keys");
-    project(plan, "project", PLAN_SHADER_PYRAMID_PROJECT);
+    plan->chunk_first = plan->pass_count;
+    if (plan->constant[PLAN_ATOMIC64]) {
+        project(plan, "project", PLAN_SHADER_PYRAMID_PROJECT);
+        return;
+    }
+    project(plan, "project depth", PLAN_SHADER_PYRAMID_PROJECT32);
+    project(plan, "project id", PLAN_SHADER_PYRAMID_PROJECT_ID32);
 }
 
 static void gather(struct stp_plan *plan, unsigned attributes)
@@ -253,6 +260,7 @@ static void gather(struct stp_plan *plan, unsigned attributes)
     plan_reads(plan, pass, PLAN_KEYS);
     plan_writes(plan, pass, PLAN_IMAGE_PYRAMID);
     plan_writes(plan, pass, PLAN_IMAGE_ATTRIBUTES);
+    plan->chunk_end = plan->pass_count;
 }
 
 static struct plan_pass *level_pass(struct stp_plan *plan, const char *verb, uint32_t level,
@@ -326,7 +334,12 @@ static void rim_far(struct stp_plan *plan, unsigned attributes)
     plan_updates(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_IMAGE_PYRAMID);
     plan_updates(plan, pass, PLAN_RIM);
-    rim_splat(plan, "rim splat", PLAN_SHADER_PYRAMID_RIM_SPLAT);
+    if (plan->constant[PLAN_ATOMIC64]) {
+        rim_splat(plan, "rim splat", PLAN_SHADER_PYRAMID_RIM_SPLAT);
+    } else {
+        rim_splat(plan, "rim splat depth", PLAN_SHADER_PYRAMID_RIM_SPLAT32);
+        rim_splat(plan, "rim splat id", PLAN_SHADER_PYRAMID_RIM_SPLAT_ID32);
+    }
     shade(plan, "rim shade", PLAN_SHADER_PYRAMID_RIM_SHADE + attributes, STP_WORK_BLOCKS);
 }
 

@@ -259,8 +259,9 @@ static uint64_t room(const struct stp_plan *plan)
 static enum stp_result cut_picture(const struct stp_env *env, struct stp_plan *plan)
 {
     uint32_t w = plan->camera.width, h = plan->camera.height, columns = 1, rows = 1;
+    bool chunked = plan->method != STP_METHOD_PYRAMID || plan_pyramid_chunks(plan);
     steps(plan, w, h);
-    if (scene_too_large(plan))
+    if (!chunked || scene_too_large(plan))
         return leave_device(env, plan);
     while (!fits(plan, room(plan))) {
         uint32_t least = STP_BLOCK + 2 * margin(plan);

@@ -8,16 +8,17 @@
 #include "base/thread.h"
 #include "base/vec.h"
 #include "prepare/radii.h"
+#include "scene/phong.h"
 
 #define FARTHEST 1e18 /* its square fits float32 */
 #define GRAIN    16384
 
-enum verdict { KEEP = 0, NOT_FINITE, CLIPPED };
+enum verdict { KEEP = 0, NOT_FINITE, CLIPPED, BAD_PHONG, VERDICTS };
 
 struct collect {
     struct splats *splats;
     const double *clip_box;
-    size_t (*dropped)[2]; /* a worker: not finite, clipped */
+    size_t (*dropped)[VERDICTS - NOT_FINITE]; /* a worker: how many of each */
 };
 
 static enum verdict judge(const double p[3], const double *box)
@@ -57,6 +58,20 @@ static float clean_opacity(float opacity)
     return isnan(opacity) || opacity > 1 ? 1 : opacity < 0 ? 0 : opacity;
 }
 
+/* False: not usable, and made a disc. A disc's radius and normal may have to be found first. */
+static bool clean_phong(const struct splats *s, size_t i)
+{
+    struct stp_phong_splat *phong = &s->phong[i];
+    bool disc = phong_is_disc(phong);
+    bool good = radius_is_good(phong->radius[0]) && radius_is_good(phong->radius[1]);
+    if (!disc && good && phong_clean(phong, s->normal[i])) {
+        s->radius[i] = fmaxf(phong->radius[0], phong->radius[1]);
+        return true;
+    }
+    *phong = phong_of_disc(s->normal[i], s->radius[i]);
+    return disc;
+}
+
 static void clean_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct collect *c = context;
@@ -73,6 +88,8 @@ static void clean_range(void *context, size_t begin, size_t end, unsigned worker
             clean_color(s->color[i]);
         if (s->opacity)
             s->opacity[i] = clean_opacity(s->opacity[i]);
+        if (s->phong)
+            c->dropped[worker][BAD_PHONG - NOT_FINITE] += !clean_phong(s, i);
     }
 }
 
@@ -87,6 +104,8 @@ static void move_splat(struct splats *s, size_t to, size_t from)
         memmove(s->color[to], s->color[from], sizeof s->color[to]);
     if (s->opacity)
         s->opacity[to] = s->opacity[from];
+    if (s->phong)
+        s->phong[to] = s->phong[from];
     s->input[to] = (uint32_t)from;
 }
 
@@ -111,12 +130,14 @@ static void take_arrays(struct cloud *cloud, struct splats *s)
                           .normal = cloud->normal,
                           .radius = cloud->radius,
                           .color = cloud->color,
-                          .opacity = cloud->opacity };
+                          .opacity = cloud->opacity,
+                          .phong = cloud->phong };
     cloud->position = NULL;
     cloud->normal = NULL;
     cloud->radius = NULL;
     cloud->color = NULL;
     cloud->opacity = NULL;
+    cloud->phong = NULL;
     cloud_release(cloud);
 }
 
@@ -126,17 +147,24 @@ enum stp_result collect_cloud(const struct stp_env *env, struct cloud *cloud,
 {
     unsigned threads = thread_count(env);
     struct collect c = { splats, clip_box, mem_zalloc(threads, sizeof *c.dropped) };
-    size_t dropped[2] = { 0, 0 };
+    size_t dropped[VERDICTS - NOT_FINITE] = { 0 };
     if (!c.dropped)
         return log_no_memory(env, threads * sizeof *c.dropped, "counters");
     take_arrays(cloud, splats);
+    if (splats->phong && !splats->radius)
+        splats->radius = mem_zalloc(splats->count, sizeof *splats->radius);
+    if (splats->phong && !splats->radius) {
+        mem_free(c.dropped);
+        return log_no_memory(env, splats->count * sizeof *splats->radius, "radii");
+    }
     parallel_for(env, splats->count, GRAIN, clean_range, &c);
     for (unsigned worker = 0; worker < threads; worker++)
-        for (int why = 0; why < 2; why++)
+        for (int why = 0; why < VERDICTS - NOT_FINITE; why++)
             dropped[why] += c.dropped[worker][why];
     mem_free(c.dropped);
     facts->not_finite += dropped[0];
     facts->clipped += dropped[1];
+    facts->bad_phong += dropped[2];
     if (dropped[0] + dropped[1] == 0)
         return STP_OK;
     return drop(env, splats, clip_box, dropped[0] + dropped[1]);

@@ -5,6 +5,7 @@
 #include "base/memory.h"
 #include "base/thread.h"
 #include "prepare/deferred_blocks.h"
+#include "scene/phong.h"
 
 #include <math.h>
 #include <string.h>
@@ -43,6 +44,7 @@ bool splats_equal(const struct splats *s, size_t i, size_t j)
            memcmp(&s->radius[i], &s->radius[j], sizeof *s->radius) == 0 &&
            (!s->color || memcmp(s->color[i], s->color[j], sizeof *s->color) == 0) &&
            (!s->opacity || memcmp(&s->opacity[i], &s->opacity[j], sizeof *s->opacity) == 0) &&
+           (!s->phong || phong_equal(&s->phong[i], &s->phong[j])) &&
            (!s->object || s->object[i] == s->object[j]);
 }
 

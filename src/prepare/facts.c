@@ -8,6 +8,7 @@
 #include "base/vec.h"
 #include "prepare/bounds.h"
 #include "prepare/radii.h"
+#include "scene/phong.h"
 
 #define CORE_SAMPLES 65536
 
@@ -110,6 +111,15 @@ static void scan_radii_and_colors(const struct splats *s, struct stp_facts *fact
             facts->color_max = fmaxf(facts->color_max, s->color[i][c]);
 }
 
+static void count_phong(const struct splats *s, struct stp_facts *facts)
+{
+    facts->phong = facts->clip_lines = 0;
+    for (size_t i = 0; s->phong && i < s->count; i++) {
+        facts->phong += !phong_is_plain(&s->phong[i]);
+        facts->clip_lines += s->phong[i].clips > 0;
+    }
+}
+
 /* first: an object's, NaN until a splat of it was seen. */
 static void scan_opacities(const struct splats *s, float *first, struct stp_facts *facts)
 {
@@ -157,6 +167,7 @@ enum stp_result facts_measure(const struct stp_env *env, struct splats *s, struc
     facts->splats = s->count;
     facts->has_color = s->color != NULL;
     scan_radii_and_colors(s, facts);
+    count_phong(s, facts);
     result = find_opacities(env, s, facts);
     if (result != STP_OK)
         return result;

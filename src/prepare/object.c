@@ -11,6 +11,7 @@
 #include "prepare/orient.h"
 #include "prepare/radii.h"
 #include "scene/axes.h"
+#include "scene/phong.h"
 
 /* What an object lacks, and the tree that finds it. */
 struct need {
@@ -37,8 +38,8 @@ static enum stp_result find_needs(const struct stp_env *env, struct need *need,
     facts->bad_radii += blank;
     need->radii = blank > 0;
     enum stp_result result = radii_median(env, s->radius, s->count, &need->median);
-    if (result == STP_OK)
-        need->monsters = radii_are_suspect(s->radius, s->count, need->median);
+    if (result == STP_OK) /* an ellipse is as large as it was made */
+        need->monsters = !s->phong && radii_are_suspect(s->radius, s->count, need->median);
     return result;
 }
 
@@ -113,6 +114,15 @@ static enum stp_result fill_from_surroundings(const struct stp_env *env, struct 
     return result;
 }
 
+/* What had no ellipse, or none that could be used, is a disc, now that normal and radius are known.
+ */
+static void fill_discs(struct splats *s)
+{
+    for (size_t i = 0; s->phong && i < s->count; i++)
+        if (phong_is_disc(&s->phong[i]) || s->phong[i].radius[0] == 0)
+            s->phong[i] = phong_of_disc(s->normal[i], s->radius[i]);
+}
+
 static enum stp_result complete(const struct stp_env *env, struct need *need, struct vec3 up,
                                 struct stp_facts *facts)
 {
@@ -165,8 +175,10 @@ enum stp_result prepare_object(const struct stp_env *env, struct scene_object *o
     if (result == STP_OK && made.splats.count > 0) {
         result = complete(env, &need, scene_axes(up).up, facts);
         made.estimated = need.all_normals;
-        if (result == STP_OK)
+        if (result == STP_OK) {
+            fill_discs(&made.splats);
             result = finish(env, object, up, want_color, &made.splats);
+        }
     }
     if (result != STP_OK) {
         splats_release(&made.splats);

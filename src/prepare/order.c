@@ -9,10 +9,11 @@
 #include "base/thread.h"
 #include "prepare/bounds.h"
 #include "prepare/radix.h"
+#include "scene/phong.h"
 
 #define GRAIN     16384
 #define SHORT_RUN 32 /* sorted by comparison */
-#define WORDS     8
+#define WORDS     8  /* and as many of a Phong splat's */
 
 /* Attribute bits of a splat, most significant word first. */
 static uint64_t word_of(const struct splats *s, size_t i, unsigned word)
@@ -45,16 +46,24 @@ static uint64_t word_of(const struct splats *s, size_t i, unsigned word)
         if (s->opacity)
             memcpy(&half[1], &s->opacity[i], 4);
         break;
-    default:
+    case 7:
         half[1] = s->object ? s->object[i] : 0;
+        break;
+    default:
+        phong_word(&s->phong[i], word - WORDS, half);
     }
     return (uint64_t)half[0] << 32 | half[1];
+}
+
+static unsigned words_of(const struct splats *s)
+{
+    return s->phong ? WORDS + PHONG_WORDS : WORDS;
 }
 
 /* Of attributes alone: <0, 0, >0. */
 static int compare_attributes(const struct splats *s, size_t a, size_t b)
 {
-    for (unsigned word = 0; word < WORDS; word++) {
+    for (unsigned word = 0; word < words_of(s); word++) {
         uint64_t x = word_of(s, a, word), y = word_of(s, b, word);
         if (x != y)
             return x < y ? -1 : 1;
@@ -117,8 +126,9 @@ static void morton_keys(void *context, size_t begin, size_t end, unsigned worker
 static void word_keys(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct keys *k = context;
+    const unsigned words = words_of(k->splats);
     for (size_t i = begin; i < end; i++)
-        k->key[i] = k->word == WORDS
+        k->key[i] = k->word == words
                         ? (k->splats->input ? k->splats->input[k->order[i]] : k->order[i])
                         : word_of(k->splats, k->order[i], k->word);
 }
@@ -128,7 +138,7 @@ static enum stp_result sort_by_words(const struct stp_env *env, struct keys *k, 
                                      size_t count)
 {
     enum stp_result result = STP_OK;
-    for (unsigned word = WORDS + 1; word-- > 0 && result == STP_OK;) {
+    for (unsigned word = words_of(k->splats) + 1; word-- > 0 && result == STP_OK;) {
         k->word = word;
         parallel_for(env, count, GRAIN, word_keys, k);
         result = radix_sort(env, count, k->key, order);
@@ -235,6 +245,7 @@ static bool permute_all(const struct stp_env *env, struct splats *s, uint32_t **
         !permute(env, *order, n, (void **)&s->radius, sizeof *s->radius) ||
         !permute(env, *order, n, (void **)&s->color, sizeof *s->color) ||
         !permute(env, *order, n, (void **)&s->opacity, sizeof *s->opacity) ||
+        !permute(env, *order, n, (void **)&s->phong, sizeof *s->phong) ||
         !permute(env, *order, n, (void **)&s->object, sizeof *s->object) ||
         !permute(env, *order, n, (void **)&s->input, sizeof *s->input))
         return false;

@@ -80,13 +80,17 @@ static void decide(struct preparation *p)
         f->positional_lights |= p->scene->lights[i].positional && !p->scene->lights[i].at_eye;
 }
 
-/* Opacities that are all 1 need no array: nothing is transparent. */
-static void drop_opaque(struct preparation *p, struct splats *splats)
+/* Opacities that are all 1, and ellipses that are all discs, need no array. */
+static void drop_plain(struct preparation *p, struct splats *splats)
 {
-    if (p->facts.transparent)
-        return;
-    mem_free(splats->opacity);
-    splats->opacity = NULL;
+    if (!p->facts.transparent) {
+        mem_free(splats->opacity);
+        splats->opacity = NULL;
+    }
+    if (!p->facts.phong) {
+        mem_free(splats->phong);
+        splats->phong = NULL;
+    }
 }
 
 static enum stp_result prepare(struct preparation *p, struct splats *splats, double core[6])
@@ -102,7 +106,7 @@ static enum stp_result prepare(struct preparation *p, struct splats *splats, dou
     if (result != STP_OK)
         return result;
     decide(p);
-    drop_opaque(p, splats);
+    drop_plain(p, splats);
     return STP_OK;
 }
 

@@ -7,6 +7,7 @@
 
 #include "passes/passes.h"
 
+struct splats;
 struct stp_scene;
 struct record_share;
 
@@ -59,12 +60,22 @@ enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp
                                            const struct record_host *host,
                                            struct record_frame *frame);
 
-/* upload.c: the scene's buffers of the plan. upload_range.c: its kernels, where they are
- * ellipsoids. */
-enum stp_result upload_ellipsoids(const struct stp_env *env, struct record_frame *frame,
-                                  const struct stp_scene *scene, struct gpu_buffer *buffer);
+/* upload.c: the scene's buffers of the plan; but not those of points that come in chunks. */
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
                               const struct stp_scene *scene);
+/* upload_range.c: the kernels of a plan whose kernels are ellipsoids. */
+enum stp_result upload_ellipsoids(const struct stp_env *env, struct record_frame *frame,
+                                  const struct stp_scene *scene, struct gpu_buffer *buffer);
+/* upload_points.c: the points of one chunk, in the place of those before. Nothing of the frame may
+ * be running. */
+enum stp_result record_upload_chunk(const struct stp_env *env, struct record_frame *frame,
+                                    const struct stp_scene *scene, uint32_t chunk);
+/* One resource of points: splats [first, first + count). False: it is none. */
+bool record_upload_points(const struct stp_env *env, struct record_frame *frame,
+                          const struct splats *splats, uint32_t resource, size_t first,
+                          size_t count, enum stp_result *result);
+/* 32 bits of an octahedral map, as unpackSnorm2x16 reads them. */
+uint32_t record_octahedral(const float n[3]);
 
 /* exchange.c: what several processes need beside a frame. */
 struct record_share {
@@ -102,7 +113,9 @@ uint32_t record_ghost_input(const struct record_frame *frame, uint32_t id, uint3
  * Where the plan loops, every sample takes two parts, the second being RECORD_TURNS turns of the
  * loop, and what comes after takes one of its own: a part that loops is run while `remaining` is
  * set, which the part before it has left too.
- * Where processes exchange, a part ends before each exchange, and the next begins after it. */
+ * Where processes exchange, a part ends before each exchange, and the next begins after it.
+ * Where points come in chunks, a part is one chunk of one sample: before it the caller brings the
+ * chunk's points to the device. */
 #define RECORD_SAMPLES   16
 #define RECORD_TURNS     16
 #define RECORD_MAX_STEPS (PLAN_MAX_PASSES * RECORD_SAMPLES)
@@ -111,6 +124,7 @@ struct record_steps {
     uint32_t count, before, repeated;
     uint32_t first, length; /* of the passes that are repeated */
     uint32_t first_sample, first_pass;
+    uint32_t chunk;    /* of points; the images keep what the chunks before left */
     uint32_t exchange; /* pass that processes exchange by after it; RECORD_NO_PASS: none */
     bool loops;        /* turns of one sample's loop */
     bool last;         /* outputs are handed to the host after it */

@@ -106,7 +106,10 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
             part++;
             continue;
         }
-        result = run_part(env, frame, tile, part, pass_ms != NULL);
+        if (frame->plan->chunk_count)
+            result = record_upload_chunk(env, frame, scene, part % frame->plan->chunk_count);
+        if (result == STP_OK)
+            result = run_part(env, frame, tile, part, pass_ms != NULL);
         if (result == STP_OK && pass_ms)
             result = add_timestamps(env, frame, part, pass_ms);
         if (frame->share)
@@ -114,6 +117,10 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
         if (result == STP_OK)
             result = read_remaining(env, frame, &remaining);
         part += !loops;
+        if (frame->plan->chunk_count && !pass_ms)
+            log_progress(env, "render",
+                         ((double)(tile - frame->plan->tile) + (double)part / parts) /
+                             frame->plan->tile_count);
     }
     return result;
 }

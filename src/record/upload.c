@@ -1,6 +1,5 @@
 #include "record/record.h"
 
-#include <math.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -53,59 +52,6 @@ static enum stp_result upload_splats(const struct stp_env *env, struct record_fr
     return result;
 }
 
-/* 32 bits of an octahedral map, as unpackSnorm2x16 reads them. */
-static uint32_t octahedral(const float n[3])
-{
-    float sum = fabsf(n[0]) + fabsf(n[1]) + fabsf(n[2]), x = n[0] / sum, y = n[1] / sum;
-    if (sum == 0)
-        return STP_NO_NORMAL;
-    if (n[2] < 0) {
-        float fold = (1 - fabsf(y)) * (x >= 0 ? 1.f : -1.f);
-        y = (1 - fabsf(x)) * (y >= 0 ? 1.f : -1.f);
-        x = fold;
-    }
-    uint32_t u = (uint32_t)lrintf(x * 32767) & 0xffff, v = (uint32_t)lrintf(y * 32767) & 0xffff;
-    return u | v << 16;
-}
-
-struct point_texel {
-    float position[3];
-    uint32_t normal;
-};
-
-struct point_packing {
-    const struct splats *splats;
-    struct point_texel *out;
-};
-
-static void pack_points(void *context, size_t begin, size_t end, unsigned worker)
-{
-    const struct point_packing *p = context;
-    const struct splats *s = p->splats;
-    for (size_t i = begin; i < end; i++) {
-        for (int k = 0; k < 3; k++)
-            p->out[i].position[k] = (float)(s->position[i][k] - s->origin[k]);
-        p->out[i].normal = octahedral(s->normal[i]);
-    }
-}
-
-static enum stp_result upload_points(const struct stp_env *env, struct record_frame *frame,
-                                     const struct splats *splats, struct gpu_buffer *buffer)
-{
-    struct point_packing packing = { splats, NULL };
-    bool direct = buffer->mapped && buffer->coherent;
-    packing.out = direct ? buffer->mapped : mem_alloc(splats->count, sizeof *packing.out);
-    if (!packing.out)
-        return log_no_memory(env, splats->count * sizeof *packing.out, "staging of points");
-    parallel_for(env, splats->count, 16384, pack_points, &packing);
-    if (direct)
-        return STP_OK;
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, packing.out, splats->count * sizeof *packing.out);
-    mem_free(packing.out);
-    return result;
-}
-
 struct kernel_packing {
     const struct stp_scene *scene;
     const uint32_t *order;
@@ -129,7 +75,7 @@ static void pack_kernels(void *context, size_t begin, size_t end, unsigned worke
         }
         out[3] = k->tau[id];
         if (k->normal)
-            normal = octahedral(k->normal[id]);
+            normal = record_octahedral(k->normal[id]);
         memcpy(&out[7], &normal, 4);
     }
 }
@@ -149,20 +95,6 @@ static enum stp_result upload_kernels(const struct stp_env *env, struct record_f
     enum stp_result result =
         gpu_upload(env, frame->context, buffer, packing.out, lists->count * 32);
     mem_free(packing.out);
-    return result;
-}
-
-static enum stp_result upload_objects(const struct stp_env *env, struct record_frame *frame,
-                                      const struct splats *splats, struct gpu_buffer *buffer)
-{
-    uint32_t *object = mem_alloc(splats->count, sizeof *object);
-    if (!object)
-        return log_no_memory(env, splats->count * sizeof *object, "the objects of points");
-    for (size_t i = 0; i < splats->count; i++)
-        object[i] = splats->object ? splats->object[i] : 0;
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, object, splats->count * sizeof *object);
-    mem_free(object);
     return result;
 }
 
@@ -238,6 +170,9 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
         struct gpu_buffer *buffer = &frame->resources.buffer[i];
         if (!buffer->handle) /* a host's own */
             continue;
+        size_t points = frame->plan->chunk_count ? 0 : scene->splats.count;
+        if (record_upload_points(env, frame, &scene->splats, i, 0, points, &result))
+            continue;
         switch (frame->plan->resource[i].slot) {
         case PLAN_SPLATS:
             result = frame->plan->constant[PLAN_ELLIPSOIDS]
@@ -245,23 +180,9 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
                      : scene->volume ? upload_kernels(env, frame, scene, buffer)
                                      : upload_splats(env, frame, &scene->splats, buffer);
             break;
-        case PLAN_COLORS:
-            result = gpu_upload(env, frame->context, buffer, scene->splats.color,
-                                scene->splats.count * 12);
-            break;
         case PLAN_OPACITIES:
             result = gpu_upload(env, frame->context, buffer, scene->splats.opacity,
                                 scene->splats.count * 4);
-            break;
-        case PLAN_TEXEL_POINTS:
-            result = upload_points(env, frame, &scene->splats, buffer);
-            break;
-        case PLAN_TEXEL_RADII:
-            result = gpu_upload(env, frame->context, buffer, scene->splats.radius,
-                                scene->splats.count * 4);
-            break;
-        case PLAN_OBJECTS:
-            result = upload_objects(env, frame, &scene->splats, buffer);
             break;
         case PLAN_MATERIALS:
             result = upload_materials(env, frame, scene, buffer);

@@ -100,8 +100,8 @@ VkMemoryBarrier2 record_everything(void)
 }
 
 /* Images are in the general layout throughout: they are attachments once and storage once, and a
- * transition between would cost more than it could gain. */
-static void begin(struct record_frame *frame, VkCommandBuffer commands)
+ * transition between would cost more than it could gain. keep: what is in them. */
+static void begin(struct record_frame *frame, VkCommandBuffer commands, bool keep)
 {
     VkImageMemoryBarrier2 images[PLAN_MAX_RESOURCES];
     uint32_t count = 0;
@@ -115,7 +115,7 @@ static void begin(struct record_frame *frame, VkCommandBuffer commands)
             .srcAccessMask = VK_ACCESS_2_MEMORY_WRITE_BIT,
             .dstStageMask = RECORD_STAGES,
             .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT,
-            .oldLayout = VK_IMAGE_LAYOUT_UNDEFINED,
+            .oldLayout = keep ? VK_IMAGE_LAYOUT_GENERAL : VK_IMAGE_LAYOUT_UNDEFINED,
             .newLayout = VK_IMAGE_LAYOUT_GENERAL,
             .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
             .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
@@ -249,8 +249,27 @@ static struct record_steps steps_between(const struct stp_plan *plan, uint32_t p
     return steps;
 }
 
+/* A part of one chunk: the first begins its sample, the last goes on to the picture. */
+static struct record_steps steps_of_chunk(const struct stp_plan *plan, uint32_t part)
+{
+    uint32_t sample = part / plan->chunk_count, chunk = part % plan->chunk_count;
+    bool last = chunk + 1 == plan->chunk_count, ends = last && sample + 1 == plan_samples(plan);
+    uint32_t first = chunk > 0 ? plan->chunk_first : part > 0 ? plan->repeat_first : 0;
+    uint32_t end = ends ? plan->pass_count : last ? plan->repeat_end : plan->chunk_end;
+    return (struct record_steps){ .plan = plan,
+                                  .count = end - first,
+                                  .before = end - first,
+                                  .first_sample = sample,
+                                  .first_pass = first,
+                                  .chunk = chunk,
+                                  .exchange = RECORD_NO_PASS,
+                                  .last = ends };
+}
+
 uint32_t record_parts(const struct stp_plan *plan)
 {
+    if (plan->chunk_count)
+        return plan_samples(plan) * plan->chunk_count;
     if (plan->loop_first)
         return 2 * plan_samples(plan) + 1;
     uint32_t count = exchanges(plan);
@@ -278,6 +297,8 @@ static struct record_steps looping_steps(const struct stp_plan *plan, uint32_t p
 
 struct record_steps record_steps(const struct stp_plan *plan, uint32_t part)
 {
+    if (plan->chunk_count)
+        return steps_of_chunk(plan, part);
     if (plan->loop_first)
         return looping_steps(plan, part);
     uint32_t count = exchanges(plan);
@@ -309,6 +330,13 @@ uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sam
     return steps->first + i % steps->length;
 }
 
+static struct pass_points points_of(const struct stp_plan *plan, uint32_t chunk)
+{
+    if (!plan->chunk_count)
+        return (struct pass_points){ 0, (uint32_t)plan->facts.splats };
+    return (struct pass_points){ plan->chunk[chunk], plan->chunk[chunk + 1] - plan->chunk[chunk] };
+}
+
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
                  uint32_t part, bool timed, uint32_t skip_barrier)
 {
@@ -319,7 +347,8 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
     timed = timed && frame->queries;
     if (timed)
         frame->context->vk.vkCmdResetQueryPool(commands, frame->queries, 0, steps.count + 1);
-    begin(frame, commands);
+    begin(frame, commands, steps.chunk > 0);
+    frame->resources.points = points_of(plan, steps.chunk);
     write_constants(frame, commands, tile);
     bind(frame, commands);
     if (timed)

@@ -2,6 +2,7 @@
 #include "report/report.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/json.h"
 
@@ -55,9 +56,23 @@ static void other_errors(FILE *out, const struct stp_comparison *e)
         number(out, values[i]);
 }
 
+/* What only transparent scenes and volumes have. */
+static void layering(FILE *out, const struct report_row *row)
+{
+    fprintf(out, ",%s,", row->transparency ? row->transparency : "");
+    if (row->peel_layers)
+        fprintf(out, "%u", row->peel_layers);
+    fprintf(out, ",%s", row->merge ? row->merge : "");
+    if (row->merge && strcmp(row->merge, "blend") == 0)
+        number(out, row->axis_h);
+    else
+        fputc(',', out);
+}
+
 static void line(FILE *out, const struct report *report, const struct report_row *row)
 {
     fprintf(out, "%s,%s,%s,%s", row->method, row->path, row->payload, row->voronoi);
+    layering(out, row);
     grouping(out, row);
     number(out, report->epsilon * row->epsilon_scale);
     times(out, &row->ms);
@@ -71,7 +86,8 @@ static void line(FILE *out, const struct report *report, const struct report_row
 
 void report_csv(FILE *out, const struct report *report)
 {
-    fputs("method,path,payload,voronoi,overlap_asked,overlap,groups,max_degree,avg_degree,"
+    fputs("method,path,payload,voronoi,transparency,peel_layers,axis_merge,axis_h,overlap_asked,"
+          "overlap,groups,max_degree,avg_degree,"
           "grouping_ms,epsilon,frames,ms_median,ms_min,ms_quartile1,ms_quartile3,ms_max,"
           "mean_absolute,rmse,psnr,p999,maximum,over_1_255,over_8_255,"
           "all_mean_absolute,all_rmse,all_psnr,all_p999,all_maximum,all_over_1_255,"

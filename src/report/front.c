@@ -53,46 +53,62 @@ unsigned report_front(const struct report *report, const struct report_row **fro
     return count;
 }
 
-static bool contends(const struct report_row *row, const char *method)
+const char *report_kind(const struct report_row *row)
 {
-    return report_contends(row) && (!method || strcmp(row->method, method) == 0);
+    return row->transparency ? row->transparency : row->merge ? row->merge : row->method;
 }
 
-const struct report_row *report_fastest(const struct report *report, const char *method,
+static bool contends(const struct report_row *row, const char *kind)
+{
+    return report_contends(row) && (!kind || strcmp(report_kind(row), kind) == 0);
+}
+
+const struct report_row *report_fastest(const struct report *report, const char *kind,
                                         double most_error)
 {
     const struct report_row *best = NULL;
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *row = &report->row[i];
-        if (contends(row, method) && report_error(row) <= most_error &&
+        if (contends(row, kind) && report_error(row) <= most_error &&
             (!best || row->ms.median < best->ms.median))
             best = row;
     }
     return best;
 }
 
-const struct report_row *report_most_exact(const struct report *report, const char *method,
+const struct report_row *report_baseline(const struct report *report)
+{
+    const struct report_row *best = NULL;
+    for (unsigned i = 0; i < report->row_count; i++) {
+        const struct report_row *row = &report->row[i];
+        if (row->is_baseline && (!best || row->ms.median < best->ms.median))
+            best = row;
+    }
+    return best;
+}
+
+const struct report_row *report_most_exact(const struct report *report, const char *kind,
                                            double most_ms)
 {
     const struct report_row *best = NULL;
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *row = &report->row[i];
-        if (contends(row, method) && row->ms.median <= most_ms &&
+        if (contends(row, kind) && row->ms.median <= most_ms &&
             (!best || report_error(row) < report_error(best)))
             best = row;
     }
     return best;
 }
 
-unsigned report_methods(const struct report *report, const char *methods[REPORT_MAX_METHODS])
+unsigned report_kinds(const struct report *report, const char *kinds[REPORT_MAX_KINDS])
 {
     unsigned count = 0;
     for (unsigned i = 0; i < report->row_count; i++) {
         unsigned k = 0;
-        while (k < count && strcmp(methods[k], report->row[i].method) != 0)
+        while (k < count && strcmp(kinds[k], report_kind(&report->row[i])) != 0)
             k++;
-        if (k == count && count < REPORT_MAX_METHODS && !report->row[i].is_reference)
-            methods[count++] = report->row[i].method;
+        if (k == count && count < REPORT_MAX_KINDS && !report->row[i].is_reference)
+            kinds[count++] = report_kind(&report->row[i]);
     }
     return count;
 }

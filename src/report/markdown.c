@@ -19,18 +19,26 @@ static void cells(FILE *out, const double *values, unsigned count)
     fputc('\n', out);
 }
 
+/* What only splats of surfaces have. */
+static void surface(FILE *out, const struct report *report)
+{
+    char epsilon[REPORT_NUMBER_SIZE], floor[REPORT_NUMBER_SIZE];
+    fprintf(out, ", epsilon %s, kernel %s, culling %s, screen-space floor %s pixels",
+            num(report->epsilon, epsilon), report->kernel, report->cull,
+            num(report->min_splat, floor));
+}
+
 static void heading(FILE *out, const struct report *report)
 {
-    char text[REPORT_NUMBER_SIZE];
     fprintf(out, "# Speed against error: %s\n\n", report->title);
     if (report->command)
         fprintf(out, "Made by\n\n    %s\n\n", report->command);
-    fprintf(
-        out,
-        "stipple %s on %s (%s); %zu splats, %u x %u pixels, epsilon %s, kernel %s, culling %s, ",
-        report->version, report->device, report->driver, report->splats, report->width,
-        report->height, num(report->epsilon, text), report->kernel, report->cull);
-    fprintf(out, "screen-space floor %s pixels. ", num(report->min_splat, text));
+    fprintf(out, "stipple %s on %s (%s); %zu %s, %u x %u pixels", report->version, report->device,
+            report->driver, report->splats, report->is_volume ? "kernels" : "splats", report->width,
+            report->height);
+    if (!report->is_volume)
+        surface(out, report);
+    fputs(". ", out);
     unsigned frames = report->row_count ? report->row[0].ms.frames : 0;
     fprintf(
         out,
@@ -90,23 +98,23 @@ static void front(FILE *out, const struct report *report)
 /* --- equal error, equal time
  * ----------------------------------------------------------------------- */
 
-static void method_head(FILE *out, const struct report *report, const char *first)
+static void kind_head(FILE *out, const struct report *report, const char *first)
 {
-    const char *methods[REPORT_MAX_METHODS];
-    unsigned count = report_methods(report, methods);
+    const char *kinds[REPORT_MAX_KINDS];
+    unsigned count = report_kinds(report, kinds);
     fprintf(out, "| %s |", first);
     for (unsigned i = 0; i < count; i++)
-        fprintf(out, " %s |", methods[i]);
+        fprintf(out, " %s |", kinds[i]);
     fputs("\n|---|", out);
     for (unsigned i = 0; i < count; i++)
         fputs("---|", out);
     fputc('\n', out);
 }
 
-/* The row's name without its method, which the column says. */
+/* The row's name without its kind, which the column says. */
 static const char *rest_of_name(const struct report_row *row, char name[REPORT_NAME_SIZE])
 {
-    const char *rest = report_row_name(row, name) + strlen(row->method);
+    const char *rest = report_row_name(row, name) + strlen(report_kind(row));
     return *rest == ' ' ? rest + 1 : rest;
 }
 
@@ -128,19 +136,18 @@ static void equal_cell(FILE *out, const struct report_row *row, bool best, bool 
 static void equal_error(FILE *out, const struct report *report)
 {
     static const double bounds[] = { 3e-2, 1e-2, 1.0 / 255, 1e-3, 1e-4, 1e-5, 1e-6, 1e-7 };
-    const char *methods[REPORT_MAX_METHODS];
+    const char *kinds[REPORT_MAX_KINDS];
     char text[REPORT_NUMBER_SIZE];
-    unsigned count = report_methods(report, methods);
-    fputs(
-        "## Equal error\n\nThe fastest configuration of each method with at most this mean error; "
-        "the fastest of all in bold.\n\n",
-        out);
-    method_head(out, report, "mean error at most");
+    unsigned count = report_kinds(report, kinds);
+    fputs("## Equal error\n\nThe fastest configuration of each kind with at most this mean error; "
+          "the fastest of all in bold.\n\n",
+          out);
+    kind_head(out, report, "mean error at most");
     for (unsigned b = 0; b < sizeof bounds / sizeof *bounds; b++) {
         const struct report_row *best = report_fastest(report, NULL, bounds[b]);
         fprintf(out, "| %s |", bounds[b] == 1.0 / 255 ? "1/255" : num(bounds[b], text));
         for (unsigned i = 0; i < count; i++) {
-            const struct report_row *row = report_fastest(report, methods[i], bounds[b]);
+            const struct report_row *row = report_fastest(report, kinds[i], bounds[b]);
             equal_cell(out, row, row && row == best, true);
         }
         fputc('\n', out);
@@ -150,23 +157,23 @@ static void equal_error(FILE *out, const struct report *report)
 
 static void equal_time(FILE *out, const struct report *report)
 {
-    const char *methods[REPORT_MAX_METHODS];
+    const char *kinds[REPORT_MAX_KINDS];
     char name[REPORT_NAME_SIZE], text[REPORT_NUMBER_SIZE];
-    unsigned count = report_methods(report, methods);
-    fputs("## Equal time\n\nThe least mean error of each method within the time of one "
-          "configuration: of the fastest of every method, and of the most exact.\n\n",
+    unsigned count = report_kinds(report, kinds);
+    fputs("## Equal time\n\nThe least mean error of each kind within the time of one "
+          "configuration: of the fastest of every kind, and of the most exact.\n\n",
           out);
-    method_head(out, report, "within the time of");
+    kind_head(out, report, "within the time of");
     for (unsigned m = 0; m < 2 * count; m++) {
-        const char *method = methods[m / 2];
-        const struct report_row *of = m % 2 ? report_most_exact(report, method, INFINITY)
-                                            : report_fastest(report, method, INFINITY);
-        if (!of || (m % 2 && of == report_fastest(report, method, INFINITY)))
+        const char *kind = kinds[m / 2];
+        const struct report_row *of = m % 2 ? report_most_exact(report, kind, INFINITY)
+                                            : report_fastest(report, kind, INFINITY);
+        if (!of || (m % 2 && of == report_fastest(report, kind, INFINITY)))
             continue;
         fprintf(out, "| %s, %s ms |", report_row_name(of, name), num(of->ms.median, text));
         const struct report_row *best = report_most_exact(report, NULL, of->ms.median);
         for (unsigned i = 0; i < count; i++) {
-            const struct report_row *row = report_most_exact(report, methods[i], of->ms.median);
+            const struct report_row *row = report_most_exact(report, kinds[i], of->ms.median);
             equal_cell(out, row, row && row == best, false);
         }
         fputc('\n', out);
@@ -180,19 +187,19 @@ static void equal_time(FILE *out, const struct report *report)
 static void against_baseline(FILE *out, const struct report *report)
 {
     char name[REPORT_NAME_SIZE], text[REPORT_NUMBER_SIZE], ratio[REPORT_NUMBER_SIZE];
-    const struct report_row *base = report_fastest(report, "two-pass", INFINITY);
+    const struct report_row *base = report_baseline(report);
     if (!base)
         return;
     unsigned slower = 0, contenders = 0;
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *row = &report->row[i];
-        if (!report_contends(row) || strcmp(row->method, "two-pass") == 0)
+        if (!report_contends(row) || row->is_baseline)
             continue;
         contenders++;
         slower += row->ms.median >= base->ms.median;
     }
     fprintf(out,
-            "## Where the baseline wins\n\nThe baseline is the faster two-pass, %s: %s ms. Of the "
+            "## Where the baseline wins\n\nThe baseline is %s: %s ms. Of the "
             "other %u configurations %u are slower than it",
             report_row_name(base, name), num(base->ms.median, text), contenders, slower);
     if (!slower) {
@@ -204,8 +211,7 @@ static void against_baseline(FILE *out, const struct report *report)
           out);
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *row = &report->row[i];
-        if (!report_contends(row) || strcmp(row->method, "two-pass") == 0 ||
-            row->ms.median < base->ms.median)
+        if (!report_contends(row) || row->is_baseline || row->ms.median < base->ms.median)
             continue;
         fprintf(out, "| %s | %s |", report_row_name(row, name),
                 num(row->ms.median / base->ms.median, ratio));
@@ -321,6 +327,7 @@ void report_markdown(FILE *out, const struct report *report)
     equal_error(out, report);
     equal_time(out, report);
     report_picks_markdown(out, report);
+    report_samples_markdown(out, report);
     against_baseline(out, report);
     all_rows(out, report);
     groupings(out, report);

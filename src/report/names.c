@@ -14,8 +14,17 @@ static void append(char *name, const char *separator, const char *word)
 const char *report_row_name(const struct report_row *row, char name[REPORT_NAME_SIZE])
 {
     char part[48];
-    snprintf(name, REPORT_NAME_SIZE, "%s", row->method);
+    snprintf(name, REPORT_NAME_SIZE, "%s", report_kind(row));
     append(name, " ", row->path);
+    if (row->peel_layers) {
+        snprintf(part, sizeof part, "%u layer%s", row->peel_layers,
+                 row->peel_layers > 1 ? "s" : "");
+        append(name, ", ", part);
+    }
+    if (row->merge && strcmp(row->merge, "blend") == 0) {
+        snprintf(part, sizeof part, "h %.3g", row->axis_h);
+        append(name, ", ", part);
+    }
     if (row->overlap_asked > 0) {
         snprintf(part, sizeof part, "c %.3g", row->overlap_asked);
         append(name, ", ", part);

@@ -19,10 +19,15 @@ struct report_times {
 struct report_row {
     const char *method, *path;     /* as on the command line */
     const char *payload, *voronoi; /* "" where the method has none */
+    const char *transparency;      /* NULL: nothing is transparent */
+    const char *merge;             /* of axis lists; NULL: not a volume */
+    unsigned peel_layers;          /* 0: nothing is peeled */
+    double axis_h;                 /* of lists that are blended */
     double overlap_asked;          /* 0: nothing is grouped */
     struct stp_grouping grouping;
     double epsilon_scale; /* of the reference's epsilon; 1 but for variants */
     bool is_reference;    /* what errors are measured against; not a contender */
+    bool is_baseline;     /* one of those that the others are set beside */
     struct report_times ms;
     struct stp_comparison error;
     uint64_t scene_bytes, transient_bytes;
@@ -45,13 +50,22 @@ struct report_pick {
 };
 #define REPORT_MAX_PICKS 8
 
+/* One sample a pixel and more, against the reference of many. */
+struct report_samples {
+    unsigned count; /* a pixel */
+    struct report_times ms;
+    struct stp_comparison error;
+};
+#define REPORT_MAX_SAMPLES 8
+
 #define REPORT_MAX_ROWS 128
 
 struct report {
     const char *title, *command; /* command may be NULL */
     const char *device, *driver, *version;
     uint32_t width, height;
-    size_t splats;
+    size_t splats; /* or kernels of a volume */
+    bool is_volume;
     double epsilon, min_splat;
     const char *kernel, *cull;
     unsigned rounds;
@@ -62,6 +76,9 @@ struct report {
     unsigned skip_count;
     struct report_pick pick[REPORT_MAX_PICKS];
     unsigned pick_count;
+    struct report_samples samples[REPORT_MAX_SAMPLES];
+    unsigned samples_count, samples_truth; /* the reference's */
+    uint32_t samples_width, samples_height;
 };
 
 /* --- front.c ------------------------------------------------------------------------------- */
@@ -76,21 +93,27 @@ bool report_contends(const struct report_row *row);
 void report_find_front(struct report *report);
 /* The front from the fastest to the most exact; returns how many. */
 unsigned report_front(const struct report *report, const struct report_row **front);
+/* What tells rows apart at a glance: of surfaces the method, of transparent ones how their layers
+ * are composited, of volumes how their lists are merged. */
+const char *report_kind(const struct report_row *row);
 /* The fastest row with at most this error, the most exact within this time, NULL when there is
- * none. method NULL: any. */
-const struct report_row *report_fastest(const struct report *report, const char *method,
+ * none. kind NULL: any. */
+const struct report_row *report_fastest(const struct report *report, const char *kind,
                                         double most_error);
-const struct report_row *report_most_exact(const struct report *report, const char *method,
+const struct report_row *report_most_exact(const struct report *report, const char *kind,
                                            double most_ms);
-/* The methods in order of appearance, the reference apart. */
-#define REPORT_MAX_METHODS 8
-unsigned report_methods(const struct report *report, const char *methods[REPORT_MAX_METHODS]);
+/* NULL: the sweep has no baseline. */
+const struct report_row *report_baseline(const struct report *report);
+/* The kinds in order of appearance, the reference apart. */
+#define REPORT_MAX_KINDS 8
+unsigned report_kinds(const struct report *report, const char *kinds[REPORT_MAX_KINDS]);
 /* Sorts and summarises; quartiles are interpolated. count > 0. */
 struct report_times report_times(double *ms, unsigned count);
 
 /* --- writers -------------------------------------------------------------------------------- */
 
-/* "deferred compute, c 0.4, slab, packed" */
+/* "deferred compute, c 0.4, Voronoi slab, packed", "peel raster, 8 layers", "blend compute, h 0.85"
+ */
 #define REPORT_NAME_SIZE 96
 const char *report_row_name(const struct report_row *row, char name[REPORT_NAME_SIZE]);
 /* Four significant digits at most, no exponent from 0.001 to 99999; "inf" for infinity. */
@@ -104,6 +127,10 @@ void report_svg(FILE *out, const struct report *report);
 /* picks.c: beside the fastest row within the bound. */
 void report_picks_csv(FILE *out, const struct report *report);
 void report_picks_markdown(FILE *out, const struct report *report);
+
+/* samples.c */
+void report_samples_csv(FILE *out, const struct report *report);
+void report_samples_markdown(FILE *out, const struct report *report);
 
 /* --- heat.c: pictures of the error ------------------------------------------------------------ */
 

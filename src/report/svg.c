@@ -22,18 +22,18 @@ struct plot {
     FILE *out;
     const struct report *report;
     struct axis x, y;
-    const char *method[REPORT_MAX_METHODS];
-    unsigned method_count;
+    const char *kind[REPORT_MAX_KINDS];
+    unsigned kind_count;
 };
 
 /* Told apart by those who see colours differently, too (Okabe and Ito). */
-static const char *method_color(const struct plot *plot, const char *method)
+static const char *kind_color(const struct plot *plot, const char *kind)
 {
-    static const char *const colors[REPORT_MAX_METHODS] = { "#007a57", "#c44e00", "#0064a8",
-                                                            "#a0447f", "#8a6d00", "#2b8cbe",
-                                                            "#555555", "#000000" };
+    static const char *const colors[REPORT_MAX_KINDS] = { "#007a57", "#c44e00", "#0064a8",
+                                                          "#a0447f", "#8a6d00", "#2b8cbe",
+                                                          "#555555", "#000000" };
     unsigned i = 0;
-    while (i + 1 < plot->method_count && strcmp(plot->method[i], method) != 0)
+    while (i + 1 < plot->kind_count && strcmp(plot->kind[i], kind) != 0)
         i++;
     return colors[i];
 }
@@ -137,8 +137,8 @@ static double legend_item(const struct plot *plot, double x, const char *path, c
 static void draw_legend(const struct plot *plot)
 {
     double x = LEFT + 6;
-    for (unsigned i = 0; i < plot->method_count; i++)
-        x = legend_item(plot, x, "compute", method_color(plot, plot->method[i]), plot->method[i]);
+    for (unsigned i = 0; i < plot->kind_count; i++)
+        x = legend_item(plot, x, "compute", kind_color(plot, plot->kind[i]), plot->kind[i]);
     x = legend_item(plot, x + 18, "compute", "#999", "compute");
     x = legend_item(plot, x, "raster", "#999", "raster");
     fprintf(plot->out,
@@ -152,9 +152,8 @@ static void draw_heading(const struct plot *plot)
     const struct report *r = plot->report;
     fprintf(plot->out, "<text class=\"heading\" x=\"%d\" y=\"34\">Speed against error: ", LEFT);
     svg_text(plot->out, r->title);
-    fprintf(plot->out,
-            "</text>\n<text class=\"note\" x=\"%d\" y=\"58\">%zu splats, %u x %u pixels, ", LEFT,
-            r->splats, r->width, r->height);
+    fprintf(plot->out, "</text>\n<text class=\"note\" x=\"%d\" y=\"58\">%zu %s, %u x %u pixels, ",
+            LEFT, r->splats, r->is_volume ? "kernels" : "splats", r->width, r->height);
     svg_text(plot->out, r->device);
     fputs(".", plot->out);
     for (unsigned i = 0; i < r->row_count; i++)
@@ -178,7 +177,7 @@ static void draw_point(const struct plot *plot, const struct report_row *row, bo
 {
     char name[REPORT_NAME_SIZE], number[2][REPORT_NUMBER_SIZE], attributes[128];
     double x = px(plot, row), y = py(plot, row);
-    const char *color = method_color(plot, row->method);
+    const char *color = kind_color(plot, report_kind(row));
     if (strong)
         fprintf(plot->out, "<path d=\"M%.1f %.1fH%.1f\" stroke=\"%s\" stroke-opacity=\"0.6\"/>",
                 axis_at(&plot->x, fmax(row->ms.quartile1, 1e-6)), y,
@@ -234,8 +233,8 @@ static bool is_named(const struct report *report, const struct report_row *row)
         return true;
     for (unsigned i = 0; i < report->row_count; i++) {
         const struct report_row *other = &report->row[i];
-        if (strcmp(other->method, row->method) == 0 && strcmp(other->path, row->path) == 0 &&
-            report_contends(other) &&
+        if (strcmp(report_kind(other), report_kind(row)) == 0 &&
+            strcmp(other->path, row->path) == 0 && report_contends(other) &&
             (other->on_front || other->ms.median < row->ms.median ||
              (other->ms.median == row->ms.median && other < row)))
             return false;
@@ -247,7 +246,11 @@ static void label_text(const struct report_row *row, char text[REPORT_NAME_SIZE]
 {
     char number[REPORT_NUMBER_SIZE];
     int n = row->overlap_asked > 0 ? snprintf(text, REPORT_NAME_SIZE, "c %.3g", row->overlap_asked)
-                                   : snprintf(text, REPORT_NAME_SIZE, "%s", row->method);
+                                   : snprintf(text, REPORT_NAME_SIZE, "%s", report_kind(row));
+    if (row->peel_layers)
+        n += snprintf(text + n, REPORT_NAME_SIZE - (size_t)n, " %u", row->peel_layers);
+    if (row->merge && strcmp(row->merge, "blend") == 0)
+        n += snprintf(text + n, REPORT_NAME_SIZE - (size_t)n, " h %.3g", row->axis_h);
     if (*row->voronoi && strcmp(row->voronoi, "off") != 0)
         n += snprintf(text + n, REPORT_NAME_SIZE - (size_t)n, " %s", row->voronoi);
     if (*row->payload)
@@ -271,7 +274,7 @@ static void draw_label(const struct plot *plot, const struct report_row *row,
     fprintf(plot->out,
             "<text class=\"label name\" x=\"%.1f\" y=\"%.1f\" text-anchor=\"middle\" "
             "style=\"fill:%s\">",
-            (b->left + b->right) / 2, b->bottom - 3.5, method_color(plot, row->method));
+            (b->left + b->right) / 2, b->bottom - 3.5, kind_color(plot, report_kind(row)));
     svg_text(plot->out, text);
     fputs("</text>\n", plot->out);
 }
@@ -332,7 +335,7 @@ void report_svg(FILE *out, const struct report *report)
 {
     struct plot plot = { .out = out, .report = report };
     double line[2 * REPORT_MAX_ROWS + 2][2];
-    plot.method_count = report_methods(report, plot.method);
+    plot.kind_count = report_kinds(report, plot.kind);
     find_range(&plot);
     begin(out);
     draw_heading(&plot);

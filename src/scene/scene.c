@@ -33,6 +33,7 @@ void splats_release(struct splats *splats)
     mem_free(splats->radius);
     mem_free(splats->color);
     mem_free(splats->opacity);
+    mem_free(splats->phong);
     mem_free(splats->object);
     mem_free(splats->input);
     mem_free(splats->group);
@@ -169,12 +170,16 @@ enum stp_result stp_scene_add_points(const struct stp_env *env, struct stp_scene
     struct cloud cloud = { .count = points->count, .up = STP_UP_Y };
     if (points->count > 0 && !points->position)
         return log_error(env, STP_ERROR_ARGUMENT, "points cannot be added: no positions");
+    if (points->phong && !points->normal)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "points cannot be added: ellipses lie across normals, and there are none");
     bool copied =
         copy_array(points->position, cloud.count, sizeof(double[3]), (void **)&cloud.position) &&
         copy_array(points->normal, cloud.count, sizeof(float[3]), (void **)&cloud.normal) &&
         copy_array(points->radius, cloud.count, sizeof(float), (void **)&cloud.radius) &&
         copy_array(points->color, cloud.count, sizeof(float[3]), (void **)&cloud.color) &&
-        copy_array(points->opacity, cloud.count, sizeof(float), (void **)&cloud.opacity);
+        copy_array(points->opacity, cloud.count, sizeof(float), (void **)&cloud.opacity) &&
+        copy_array(points->phong, cloud.count, sizeof *cloud.phong, (void **)&cloud.phong);
     enum stp_result result = copied ? scene_add_cloud(env, scene, &cloud, object)
                                     : log_no_memory(env, points->count * 24, "points");
     cloud_release(&cloud);

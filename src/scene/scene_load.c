@@ -11,6 +11,7 @@
 #include "load/readers.h"
 #include "scene/camera_json.h"
 #include "scene/environment.h"
+#include "scene/phong.h"
 #include "scene/range.h"
 #include "scene/scene_json.h"
 
@@ -52,6 +53,8 @@ static void transform_cloud(struct cloud *cloud, const double m[16], double scal
         cloud->normal[i][0] = (float)n.x;
         cloud->normal[i][1] = (float)n.y;
         cloud->normal[i][2] = (float)n.z;
+        if (cloud->phong)
+            phong_transform(&cloud->phong[i], m, scale);
     }
 }
 

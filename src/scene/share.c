@@ -24,6 +24,7 @@ static void keep_splats(struct splats *s, size_t first, size_t count)
     s->radius = keep(s->radius, sizeof *s->radius, first, count);
     s->color = keep(s->color, sizeof *s->color, first, count);
     s->opacity = keep(s->opacity, sizeof *s->opacity, first, count);
+    s->phong = keep(s->phong, sizeof *s->phong, first, count);
     s->object = keep(s->object, sizeof *s->object, first, count);
     s->input = keep(s->input, sizeof *s->input, first, count);
     s->group = keep(s->group, sizeof *s->group, first, count);

@@ -1,4 +1,5 @@
-/* Prepared splats: circular discs in canonical order, structure of arrays, owned. */
+/* Prepared splats: discs, or ellipses with normal fields, in canonical order, structure of arrays,
+ * owned. */
 #ifndef STP_SCENE_SPLATS_H
 #define STP_SCENE_SPLATS_H
 
@@ -6,15 +7,18 @@
 
 struct splats {
     size_t count;
-    double origin[3];      /* float32 device positions are position - origin */
-    double (*position)[3]; /* absolute */
-    float (*normal)[3];    /* unit; (0, 0, 0): unknown, the disc faces the eye */
-    float *radius;         /* > 0 */
-    float (*color)[3];     /* NULL: the material's albedo everywhere; linear */
-    float *opacity;        /* NULL: 1 everywhere */
-    uint16_t *object;      /* NULL: one object */
-    uint32_t *input;       /* index in the input, over all objects in order of adding */
-    uint8_t *group;        /* NULL: not grouped; in [0, facts.grouping.groups) */
+    double origin[3];              /* float32 device positions are position - origin */
+    double (*position)[3];         /* absolute */
+    float (*normal)[3];            /* unit; (0, 0, 0): unknown, the disc faces the eye */
+    float *radius;                 /* > 0 */
+    float (*color)[3];             /* NULL: the material's albedo everywhere; linear */
+    float *opacity;                /* NULL: 1 everywhere */
+    struct stp_phong_splat *phong; /* NULL: circular discs with constant normals; else `normal` is
+                                      u x v and `radius` the larger of the two; where the normal is
+                                      unknown u is (0, 0, 0) */
+    uint16_t *object;              /* NULL: one object */
+    uint32_t *input;               /* index in the input, over all objects in order of adding */
+    uint8_t *group;                /* NULL: not grouped; in [0, facts.grouping.groups) */
 };
 
 /* A plane at right angles to an axis, through the centre of splat id, p, relative to the origin. */

@@ -47,7 +47,8 @@ static enum stp_result write_texts(const struct study *study, const char *folder
     } files[] = { { "report.csv", report_csv },
                   { "report.svg", report_svg },
                   { "report.md", report_markdown },
-                  { "auto.csv", report_picks_csv } };
+                  { "auto.csv", report_picks_csv },
+                  { "samples.csv", report_samples_csv } };
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0)
         return log_error(study->env, STP_ERROR_MEMORY, "cannot make a locale: %s", strerror(errno));

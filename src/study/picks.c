@@ -49,13 +49,14 @@ static bool is_row(const struct study_frame *frame, const struct stp_considered 
 /* The row of what was chosen; a new one where the sweep has none. */
 static enum stp_result find_row(struct study *study, const struct stp_considered *c, unsigned *row)
 {
-    const struct study_config config = { c->method,
-                                         c->path,
-                                         c->method == STP_METHOD_TWO_PASS ? STP_PAYLOAD_AUTO
-                                                                          : c->payload,
-                                         c->overlap > 0 ? c->voronoi : STP_VORONOI_OFF,
-                                         c->overlap,
-                                         1 };
+    const struct study_config config = {
+        .method = c->method,
+        .path = c->path,
+        .payload = c->method == STP_METHOD_TWO_PASS ? STP_PAYLOAD_AUTO : c->payload,
+        .voronoi = c->overlap > 0 ? c->voronoi : STP_VORONOI_OFF,
+        .overlap = c->overlap,
+        .epsilon_scale = 1,
+    };
     for (*row = 0; *row < study->frame_count; (*row)++)
         if (is_row(&study->frame[*row], c))
             return STP_OK;
@@ -64,6 +65,8 @@ static enum stp_result find_row(struct study *study, const struct stp_considered
 
 enum stp_result study_pick(struct study *study)
 {
+    if (study->scene->volume || study->scene->facts.transparent)
+        return STP_OK; /* their order is not what --max-error decides */
     struct stp_choice *choice = mem_alloc(1, sizeof *choice);
     enum stp_result result =
         choice ? STP_OK : log_no_memory(study->env, sizeof *choice, "a choice");
@@ -72,7 +75,7 @@ enum stp_result study_pick(struct study *study)
         result = choose(study, bounds[i], choice);
         const struct stp_considered *c = result == STP_OK ? chosen(choice) : NULL;
         if (!c)
-            break; /* what is transparent is not auto's to choose */
+            break;
         result = find_row(study, c, &row);
         if (result == STP_OK && row < study->frame_count)
             study->report.pick[study->report.pick_count++] =

@@ -34,6 +34,10 @@ static enum stp_result make_plan(struct study *study, const struct study_config 
     params.path = config->path;
     params.payload = config->payload;
     params.voronoi = config->voronoi;
+    params.transparency = config->transparency;
+    params.peel_layers = config->peel_layers;
+    params.axis_merge = config->merge;
+    params.axis_h = config->axis_h;
     params.samples = params.aovs = 0;
     if (config->epsilon_scale != 1)
         params.epsilon = study->epsilon * config->epsilon_scale;
@@ -54,6 +58,7 @@ static void add_frame(struct study *study, const struct study_config *config, st
     row->transient_bytes = plan_bytes(plan, PLAN_TRANSIENT);
     row->tiles = plan->tile_count;
     row->pass_count = plan->pass_count;
+    study->has_exact |= plan->method == STP_METHOD_EXACT;
     study->frame[study->frame_count++] = (struct study_frame){ .config = *config, .plan = plan };
 }
 
@@ -97,7 +102,7 @@ enum stp_result study_try(struct study *study, const struct study_config *config
 static enum stp_result make_frames(struct study *study)
 {
     struct study_config configs[STUDY_MAX_CONFIGS];
-    unsigned count = study_configs(study->params.quick, configs);
+    unsigned count = study_configs(&study->scene->facts, study->params.quick, configs);
     unsigned most = count + REPORT_MAX_PICKS; /* auto may add its own */
     study->frame = mem_zalloc(most, sizeof *study->frame);
     study->report.row = mem_zalloc(most + 1, sizeof *study->report.row);
@@ -152,7 +157,8 @@ static void describe(struct study *study)
     r->version = stp_version();
     r->width = study->camera->width;
     r->height = study->camera->height;
-    r->splats = study->scene->splats.count;
+    r->is_volume = study->scene->volume != NULL;
+    r->splats = r->is_volume ? study->scene->volume->kernels.count : study->scene->splats.count;
     r->epsilon = study->epsilon;
     r->min_splat = p->render.min_splat < 0   ? 0
                    : p->render.min_splat > 0 ? p->render.min_splat
@@ -176,6 +182,8 @@ static enum stp_result study_all(struct study *study, const char *folder)
         report_find_front(&study->report);
         result = study_profile(study);
     }
+    if (result == STP_OK)
+        result = study_samples(study);
     if (result == STP_OK && study->context->messages)
         result = log_error(study->env, STP_ERROR_VALIDATION, "%u validation messages",
                            study->context->messages);
@@ -198,23 +206,31 @@ static void release(struct study *study)
     mem_free(study->report.skip);
 }
 
+/* What depth errors are relative to: of a volume the finest spacing. */
+static double default_epsilon(const struct study *study)
+{
+    const struct stp_scene *scene = study->scene;
+    if (study->params.render.epsilon > 0)
+        return study->params.render.epsilon;
+    if (scene->volume)
+        return volume_finest(&scene->volume->grid);
+    return scene->object_count == 1 ? scene->objects[0].epsilon
+                                    : (double)scene->facts.radius_median;
+}
+
 enum stp_result stp_report(const struct stp_env *env, struct stp_context *context,
                            struct stp_scene *scene, const struct stp_camera *camera,
                            const struct stp_report_params *params, const char *folder)
 {
     struct study study = { .env = env, .context = context, .scene = scene, .camera = camera };
-    if (scene->volume)
-        return log_error(env, STP_ERROR_ARGUMENT, "reports are of surfaces, not of volumes");
-    if (!context || !scene->prepared || !scene->splats.count)
+    if (!context || !scene->prepared || !(scene->splats.count || scene->volume))
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "a report needs a context and a prepared scene with splats");
+                         "a report needs a context and a prepared scene with splats or a volume");
     study.params = *params;
     if (env)
         study.quiet = *env;
     study.quiet.progress = NULL;
-    study.epsilon = params->render.epsilon > 0 ? params->render.epsilon
-                    : scene->object_count == 1 ? scene->objects[0].epsilon
-                                               : (double)scene->facts.radius_median;
+    study.epsilon = default_epsilon(&study);
     study.budget = study_budget(context);
     groupings_begin(&study.groups, scene);
     describe(&study);

@@ -16,13 +16,19 @@ struct study_config {
     enum stp_path path;
     enum stp_payload payload; /* AUTO: what the plan says */
     enum stp_voronoi voronoi;
-    double overlap;       /* deferred only, else 0 */
-    double epsilon_scale; /* of the reference's */
+    double overlap;                     /* deferred only, else 0 */
+    double epsilon_scale;               /* of the reference's */
+    enum stp_transparency transparency; /* AUTO: what is opaque, or a volume */
+    unsigned peel_layers;
+    enum stp_axis_merge merge; /* volumes only */
+    double axis_h;             /* as in stp_render_params */
 };
 
 #define STUDY_MAX_CONFIGS 64
-/* Every combination, applicable or not; methods one after another. Returns how many. */
-unsigned study_configs(bool quick, struct study_config configs[STUDY_MAX_CONFIGS]);
+/* Every combination for such a scene (opaque, transparent, or a volume), applicable or not; methods
+ * one after another. Returns how many. */
+unsigned study_configs(const struct stp_facts *facts, bool quick,
+                       struct study_config configs[STUDY_MAX_CONFIGS]);
 /* The row's words and parameters; nothing that is measured. */
 void study_describe(const struct study_config *config, struct report_row *row);
 /* NULL when the plan does what the configuration says, else why it does not. */
@@ -56,6 +62,7 @@ struct study {
     struct report report;  /* row i is frame i's; the reference's comes after them */
     uint64_t budget, held; /* bytes on the device: most, and now */
     uint64_t turn;
+    bool has_exact; /* one of the frames is of method exact: it takes any number of samples */
 };
 
 /* Makes the frame's resources if they are not there, taking away those least recently used when the
@@ -78,6 +85,11 @@ enum stp_result study_try(struct study *study, const struct study_config *config
  */
 
 enum stp_result study_pick(struct study *study);
+
+/* --- samples.c: error against the number of samples a pixel, where method exact applies ----------
+ */
+
+enum stp_result study_samples(struct study *study);
 
 /* --- files.c ---------------------------------------------------------------------------------- */
 

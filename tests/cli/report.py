@@ -4,7 +4,9 @@ those that render and compare find; and how it refuses."""
 import csv
 import os
 import re
+import shutil
 import struct
+import tempfile
 import xml.etree.ElementTree as xml
 
 import command
@@ -17,8 +19,17 @@ class Report(command.CommandTest):
         with open(self.path("out/report.csv"), newline="", encoding="ascii") as file:
             return list(csv.DictReader(file))
 
+    plain = None  # the folder of the report without further options: made once, then copied
+
     def make(self, *more):
+        if not more and Report.plain:
+            shutil.copytree(Report.plain, self.path("out"))
+            return self.rows()
         self.done("report", "ball.ply", "-o", "out", "--quick", "--rounds", "1", *SHARED, *more)
+        if not more:
+            Report.plain = tempfile.mkdtemp(prefix="stipple-report-")
+            self.addClassCleanup(shutil.rmtree, Report.plain, ignore_errors=True)
+            shutil.copytree(self.path("out"), Report.plain, dirs_exist_ok=True)
         return self.rows()
 
     def compared(self, row):
@@ -38,7 +49,7 @@ class Report(command.CommandTest):
         names = sorted(os.listdir(self.path("out")))
         pictures = [f"error_{i + 1}.png" for i in range(len(front))]
         self.assertEqual(names, sorted(pictures + ["auto.csv", "report.csv", "report.md",
-                                                   "report.svg"]))
+                                                   "report.svg", "samples.csv"]))
         for name in pictures:
             head = self.read("out/" + name)[:24]
             self.assertEqual(struct.unpack(">II", head[16:])[0], 96)
@@ -92,6 +103,54 @@ class Report(command.CommandTest):
             self.assertEqual([row["method"] for row in taken], [pick["method"]])
             self.assertLessEqual(float(pick["error"]), float(pick["predicted_error"]))
             self.assertLessEqual(float(pick["predicted_error"]), float(pick["bound"]))
+
+    def test_samples_converge(self):
+        self.make()
+        with open(self.path("out/samples.csv"), newline="", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        self.assertEqual([row["samples"] for row in rows], ["1", "4", "16"])
+        errors = [float(row["rmse"]) for row in rows]
+        self.assertLess(errors[1], errors[0])
+        # Stratified: between 1 / N and 1 / sqrt(N), the reference's own noise beside it.
+        self.assertLess(errors[2], 0.4 * errors[0])
+        self.assertIn("## Samples", self.read("out/report.md").decode())
+
+    def test_transparent_scenes(self):
+        rows = self.make("--opacity", "0.5")
+        self.assertEqual(rows[-1]["method"], "reference")
+        exact = next(row for row in rows if row["transparency"] == "exact")
+        for name, column in [("a.exr", "exact"), ("b.exr", "reference")]:
+            self.done("render", "ball.ply", "-o", name, *SHARED, "--opacity", "0.5",
+                      "--transparency", column)
+        other = self.done_json("compare", "--json", "a.exr", "b.exr", "--epsilon",
+                               exact["epsilon"])
+        self.assertAlmostEqual(float(exact["mean_absolute"]), other["covered"]["mean_absolute"], 6)
+        self.assertLess(float(exact["mean_absolute"]), 1e-4)
+
+    def test_volumes(self):
+        side = 12
+        self.write("ball.raw", bytes(200 if sum((c - 5.5) ** 2 for c in
+                                                (i % side, i // side % side, i // side ** 2)) < 20
+                                     else 0 for i in range(side ** 3)))
+        volume = ["--volume-dims", "12,12,12"]
+        self.done("report", "ball.raw", "-o", "out", "--quick", "--rounds", "1", "--size", "48x48",
+                  *volume)
+        rows = self.rows()
+        self.assertEqual({row["axis_merge"] for row in rows[:-1]},
+                         {"single", "clip", "sort", "blend"})
+        self.assertEqual({row["path"] for row in rows[:-1]}, {"compute", "raster"})
+        for row in rows[:-1]:
+            self.done("render", "ball.raw", *volume, "--size", "48x48", "-o", "a.exr",
+                      "--axis-merge", row["axis_merge"], "--path", row["path"])
+            self.done("render", "ball.raw", *volume, "--size", "48x48", "-o", "b.exr",
+                      "--method", "reference")
+            other = self.done_json("compare", "--json", "a.exr", "b.exr", "--epsilon",
+                                   row["epsilon"])
+            self.assertAlmostEqual(float(row["mean_absolute"]), other["covered"]["mean_absolute"],
+                                   7, row)
+        text = self.read("out/report.md").decode()
+        self.assertIn("kernels, 48 x 48 pixels", text)
+        self.assertIn("The baseline is single", text)
 
     def test_masked_features_are_left_out(self):
         rows = self.make("--mask-feature", "int64-atomics")

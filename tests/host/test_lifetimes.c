@@ -203,7 +203,9 @@ static struct stp_scene *three(struct engine *e, double shift)
     const double position[3][3] = { { shift, 0, 0 }, { -0.5, 0.3, 0.2 }, { -0.5, -0.4, -0.2 } };
     const float normal[3][3] = { { 0, 0, 1 }, { 0, 0, 1 }, { 0, 0, 1 } };
     const float radius[3] = { 0.3f, 0.3f, 0.3f };
-    struct stp_points points = { 3, position, normal, radius, NULL, NULL };
+    struct stp_points points = {
+        .count = 3, .position = position, .normal = normal, .radius = radius
+    };
     struct stp_scene *scene = NULL;
     assert_int_equal(stp_scene_create(&e->env, &scene), STP_OK);
     assert_int_equal(stp_scene_add_points(&e->env, scene, &points, NULL), STP_OK);

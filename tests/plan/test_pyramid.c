@@ -104,13 +104,64 @@ static void test_tile_grids(void **state)
     release_inputs(&in);
 }
 
+/* Points that are more than half of the device's memory come in chunks of a quarter, each whole
+ * runs; none is lost, and no other plan has any of it. */
+static void test_chunks(void **state)
+{
+    struct inputs in = pyramid_inputs();
+    in.camera = plain_camera(16, 16, 8);
+    in.scene->facts.splats = 100000;
+    struct stp_plan *plan = plan_of(&in);
+    assert_int_equal(plan->chunk_count, 0);
+    stp_plan_destroy(&plan);
+    in.limits.heap_bytes = 40 * 100000;
+    plan = plan_of(&in);
+    assert_int_equal(plan->chunk_count, 0); /* just a half */
+    stp_plan_destroy(&plan);
+    for (uint64_t heap = 3900000; heap > 300000; heap = heap * 2 / 3) {
+        in.limits.heap_bytes = heap;
+        plan = plan_of(&in);
+        assert_true(plan->chunk_count >= 2);
+        assert_int_equal(plan->chunk[0], 0);
+        assert_int_equal(plan->chunk[plan->chunk_count], 100000);
+        for (uint32_t i = 0; i < plan->chunk_count; i++) {
+            assert_true(plan->chunk[i] < plan->chunk[i + 1]);
+            assert_int_equal(plan->chunk[i] % STP_POINT_RUN, 0);
+        }
+        uint64_t points = resource_named(plan, "points")->bytes;
+        assert_true(points / 16 * 20 <= heap / 4);
+        assert_int_equal(points, (uint64_t)(plan->chunk[1] - plan->chunk[0]) * 16);
+        assert_string_equal(plan->pass[plan->chunk_first].name, "project");
+        assert_string_equal(plan->pass[plan->chunk_end - 1].name, "gather");
+        assert_non_null(strstr(plan->why, "chunks"));
+        stp_plan_destroy(&plan);
+    }
+    in.limits.heap_bytes = (uint64_t)1 << 31;
+    in.limits.max_allocation = 16 * 50000; /* one buffer, not all memory */
+    plan = plan_of(&in);
+    assert_true(plan->chunk_count >= 2);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+static void test_without_atomics(void **state)
+{
+    struct inputs in = pyramid_inputs();
+    in.params.mask_features = STP_FEATURE_INT64_ATOMICS;
+    struct stp_plan *plan = plan_of(&in);
+    assert_null(pass_named(plan, "project"));
+    assert_non_null(pass_named(plan, "project depth"));
+    assert_non_null(pass_named(plan, "project id"));
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_levels),
-        cmocka_unit_test(test_only_what_is_needed),
-        cmocka_unit_test(test_grid),
-        cmocka_unit_test(test_tile_grids),
+        cmocka_unit_test(test_levels), cmocka_unit_test(test_only_what_is_needed),
+        cmocka_unit_test(test_grid),   cmocka_unit_test(test_tile_grids),
+        cmocka_unit_test(test_chunks), cmocka_unit_test(test_without_atomics),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

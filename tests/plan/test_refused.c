@@ -13,11 +13,6 @@ static void pyramid_raster(struct inputs *in)
     in->params.method = STP_METHOD_PYRAMID;
     in->params.path = STP_PATH_RASTER;
 }
-static void pyramid_without_atomics(struct inputs *in)
-{
-    in->params.method = STP_METHOD_PYRAMID;
-    in->params.mask_features = STP_FEATURE_INT64_ATOMICS;
-}
 static void auto_raster(struct inputs *in)
 {
     in->params.path = STP_PATH_RASTER;
@@ -147,7 +142,6 @@ static const struct {
 } cases[] = {
     { exact_raster, STP_ERROR_ARGUMENT, "raster" },
     { pyramid_raster, STP_ERROR_ARGUMENT, "raster" },
-    { pyramid_without_atomics, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { auto_raster, STP_ERROR_ARGUMENT, "raster" },
     { deferred_without_atomics, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { raster_without_blend, STP_ERROR_FEATURE, "blending" },

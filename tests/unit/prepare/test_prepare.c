@@ -52,12 +52,11 @@ static struct input *make_input(const uint32_t *order)
 static struct stp_scene *prepare(const struct input *in, bool normals, bool radii, unsigned threads)
 {
     struct stp_env env = { .threads = threads };
-    struct stp_points points = { COUNT,
-                                 (const double(*)[3])in->position,
-                                 normals ? (const float(*)[3])in->normal : NULL,
-                                 radii ? in->radius : NULL,
-                                 (const float(*)[3])in->color,
-                                 NULL };
+    struct stp_points points = { .count = COUNT,
+                                 .position = (const double(*)[3])in->position,
+                                 .normal = normals ? (const float(*)[3])in->normal : NULL,
+                                 .radius = radii ? in->radius : NULL,
+                                 .color = (const float(*)[3])in->color };
     struct stp_scene *scene;
     assert_int_equal(stp_scene_create(&env, &scene), STP_OK);
     assert_int_equal(stp_scene_add_points(&env, scene, &points, NULL), STP_OK);
@@ -164,10 +163,11 @@ static void several_objects(void **state)
     struct stp_material red = { .ambient = 0.1f, .diffuse = 0.7f, .albedo = { 1, 0, 0 } };
     struct stp_object_params first = { .material = &red, .epsilon = 0.5, .opacity = 0.5f };
     struct stp_points points = { .count = 1000, .position = (const double(*)[3])a.position };
-    struct stp_points others = {
-        500,    (const double(*)[3])b.position, (const float(*)[3])b.normal,
-        radius, (const float(*)[3])color,       NULL
-    };
+    struct stp_points others = { .count = 500,
+                                 .position = (const double(*)[3])b.position,
+                                 .normal = (const float(*)[3])b.normal,
+                                 .radius = radius,
+                                 .color = (const float(*)[3])color };
     struct stp_scene *scene;
     stp_scene_create(NULL, &scene);
     assert_int_equal(stp_scene_add_points(NULL, scene, &points, &first), STP_OK);
@@ -272,9 +272,11 @@ static void opacity_orders(void **state)
             radius[i] = 1;
             opacity[i] = (float)from / 64;
         }
-        struct stp_points points = {
-            64, (const double(*)[3])p, (const float(*)[3])normal, radius, NULL, opacity
-        };
+        struct stp_points points = { .count = 64,
+                                     .position = (const double(*)[3])p,
+                                     .normal = (const float(*)[3])normal,
+                                     .radius = radius,
+                                     .opacity = opacity };
         struct stp_object_params half = { .opacity = 0.5f };
         struct stp_scene *scene;
         stp_scene_create(NULL, &scene);
@@ -295,8 +297,10 @@ static void attributes_are_cleaned(void **state)
     double p[4][3] = { { 0 }, { 1 }, { 0, 1 }, { 1, 1 } };
     float color[4][3] = { { NAN, INFINITY, -INFINITY }, { 1e6f, -1, 0 }, { 0 }, { 0 } };
     float opacity[4] = { NAN, 2, 1, 1 };
-    struct stp_points points = { 4,    (const double(*)[3])p,    NULL,
-                                 NULL, (const float(*)[3])color, opacity };
+    struct stp_points points = { .count = 4,
+                                 .position = (const double(*)[3])p,
+                                 .color = (const float(*)[3])color,
+                                 .opacity = opacity };
     struct stp_scene *scene;
     stp_scene_create(NULL, &scene);
     stp_scene_add_points(NULL, scene, &points, NULL);
@@ -333,13 +337,11 @@ static void no_points(void **state)
 static bool try_with_failure(unsigned long n, const struct input *in)
 {
     struct stp_env env = { .log = silent, .threads = 2 };
-    struct stp_points points = { 500, (const double(*)[3])in->position, NULL, NULL, NULL, NULL };
-    struct stp_points others = { 500,
-                                 (const double(*)[3])in->position + 500,
-                                 (const float(*)[3])in->normal + 500,
-                                 in->radius + 500,
-                                 NULL,
-                                 NULL };
+    struct stp_points points = { .count = 500, .position = (const double(*)[3])in->position };
+    struct stp_points others = { .count = 500,
+                                 .position = (const double(*)[3])in->position + 500,
+                                 .normal = (const float(*)[3])in->normal + 500,
+                                 .radius = in->radius + 500 };
     struct stp_object_params object = { .opacity = 0.5f };
     struct stp_scene *scene = NULL;
     mem_fail_at(n);

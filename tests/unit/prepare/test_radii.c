@@ -7,7 +7,9 @@
 static struct stp_scene *prepared(size_t count, const void *position, const void *normal,
                                   const float *radius)
 {
-    struct stp_points points = { count, position, normal, radius, NULL, NULL };
+    struct stp_points points = {
+        .count = count, .position = position, .normal = normal, .radius = radius
+    };
     struct stp_scene *scene;
     assert_int_equal(stp_scene_create(NULL, &scene), STP_OK);
     assert_int_equal(stp_scene_add_points(NULL, scene, &points, NULL), STP_OK);

@@ -15,7 +15,7 @@ static struct stp_scene *make_scene(bool everything)
         color[i][0] = color[i][1] = color[i][2] = (float)i;
         opacity[i] = (float)(i % 7) / 7;
     }
-    struct stp_points points = { 5000, (const double(*)[3])s.position, NULL, NULL, NULL, NULL };
+    struct stp_points points = { .count = 5000, .position = (const double(*)[3])s.position };
     struct stp_scene *scene;
     if (everything) {
         points.color = (const float(*)[3])color;

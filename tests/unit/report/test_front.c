@@ -89,15 +89,18 @@ static void equal_error_and_time(void **state)
     assert_null(report_fastest(&report, "reference", 1));
 }
 
-static void methods(void **state)
+static void kinds(void **state)
 {
     struct report_row rows[MADE_ROWS];
     struct report report = made_report(rows);
-    const char *names[REPORT_MAX_METHODS];
-    assert_int_equal(report_methods(&report, names), 3);
+    const char *names[REPORT_MAX_KINDS];
+    assert_int_equal(report_kinds(&report, names), 3);
     assert_string_equal(names[0], "exact");
     assert_string_equal(names[1], "deferred");
     assert_string_equal(names[2], "two-pass");
+    assert_ptr_equal(report_baseline(&report), &rows[3]);
+    report.row_count = 3;
+    assert_null(report_baseline(&report));
 }
 
 static void quantiles(void **state)
@@ -118,7 +121,7 @@ int main(void)
         cmocka_unit_test(below_the_floor),
         cmocka_unit_test(front_of_random_rows),
         cmocka_unit_test(equal_error_and_time),
-        cmocka_unit_test(methods),
+        cmocka_unit_test(kinds),
         cmocka_unit_test(quantiles),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -1,7 +1,7 @@
 /* report.csv, report.md and how figures and configurations are printed. */
 #include "sweeps.h"
 
-#define FIELDS 45
+#define FIELDS 49
 
 /* Splits in place; returns how many fields a line has. */
 static unsigned split(char *line, char *field[64])
@@ -51,6 +51,8 @@ static void csv(void **state)
         assert_string_equal(value_of(head, field, FIELDS, "epsilon"), i == 4 ? "1" : "0.5");
         bool grouped = rows[i].overlap_asked > 0;
         assert_string_equal(value_of(head, field, FIELDS, "groups"), grouped ? "7" : "");
+        assert_string_equal(value_of(head, field, FIELDS, "transparency"), "");
+        assert_string_equal(value_of(head, field, FIELDS, "axis_h"), "");
         if (i != 1)
             continue;
         assert_true(strtod(value_of(head, field, FIELDS, "p999"), NULL) == 0.1);
@@ -103,7 +105,7 @@ static void markdown(void **state)
         "| exact compute, packed, 40.00 ms | **1.00e-05**, compute, packed | 0.0070, raster, c "
         "0.4, "
         "Voronoi slab | - |",
-        "The baseline is the faster two-pass, two-pass raster: 50.00 ms. Of the other 3 "
+        "The baseline is two-pass raster: 50.00 ms. Of the other 3 "
         "configurations 1 are slower",
         "| deferred raster, c 1, Voronoi slab | 1.20 | 2.00e-05 (2.00e-08) |",
         "| 0.4 | 0.4000 | 7 | 0 | 2.50 | 0 |",
@@ -129,6 +131,64 @@ static void without_two_pass(void **state)
     assert_null(strstr(text, "baseline"));
     assert_null(strstr(text, "Made by"));
     assert_null(strstr(text, "Left out"));
+    free(text);
+}
+
+/* Layers and lists: a row's kind stands for its method, and their figures are columns. */
+static void layers_and_lists(void **state)
+{
+    struct report_row rows[MADE_ROWS];
+    struct report report = made_report(rows);
+    rows[0] = made_row("two-pass", "raster", 9, 0.2);
+    rows[1] = made_row("exact", "compute", 3, 1e-4);
+    rows[2] = made_row("axis", "compute", 5, 1e-3);
+    rows[3] = made_row("axis", "compute", 4, 1e-2);
+    rows[0].transparency = "peel", rows[0].peel_layers = 8, rows[0].is_baseline = true;
+    rows[1].transparency = "exact";
+    rows[2].merge = "blend", rows[2].axis_h = 0.85;
+    rows[3].merge = "clip", rows[3].axis_h = 0.85;
+    report.row_count = 4;
+    report.is_volume = true;
+    report_find_front(&report);
+    char *text = written(report_csv, &report), name[REPORT_NAME_SIZE];
+    assert_non_null(strstr(text, "\ntwo-pass,raster,,,peel,8,,,"));
+    assert_non_null(strstr(text, "\nexact,compute,,,exact,,,,"));
+    assert_non_null(strstr(text, "\naxis,compute,,,,,blend,0.85,"));
+    assert_non_null(strstr(text, "\naxis,compute,,,,,clip,,"));
+    free(text);
+    assert_string_equal(report_row_name(&rows[0], name), "peel raster, 8 layers");
+    assert_string_equal(report_row_name(&rows[2], name), "blend compute, h 0.85");
+    assert_string_equal(report_row_name(&rows[3], name), "clip compute");
+    text = written(report_markdown, &report);
+    check_tables(text);
+    assert_non_null(strstr(text, "| mean error at most | peel | exact | blend | clip |"));
+    assert_non_null(strstr(text, "The baseline is peel raster, 8 layers: 9.00 ms."));
+    assert_non_null(strstr(text, "1234 kernels, 640 x 480 pixels. Milli"));
+    free(text);
+}
+
+static void samples(void **state)
+{
+    struct report_row rows[MADE_ROWS];
+    struct report report = made_report(rows);
+    char *text = written(report_samples_markdown, &report);
+    assert_string_equal(text, "");
+    free(text);
+    report.samples_count = 2;
+    report.samples_truth = 64;
+    report.samples_width = 128, report.samples_height = 96;
+    report.samples[0] = (struct report_samples){ .count = 1, .ms.median = 5 };
+    report.samples[1] = (struct report_samples){ .count = 16, .ms.median = 80 };
+    report.samples[1].error.covered.mean_absolute = 0.125;
+    text = written(report_samples_markdown, &report);
+    check_tables(text);
+    assert_non_null(strstr(text, "128 x 96 pixels"));
+    assert_non_null(strstr(text, "picture of 64 samples"));
+    assert_non_null(strstr(text, "| 16 | 80.00 | 0.1250 |"));
+    free(text);
+    text = written(report_samples_csv, &report);
+    assert_non_null(strstr(text, "\n16,80,0,0,0.125,"));
+    assert_int_equal(occurrences(text, "\n"), 3);
     free(text);
 }
 
@@ -163,8 +223,13 @@ static void names(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(csv),     cmocka_unit_test(markdown), cmocka_unit_test(without_two_pass),
-        cmocka_unit_test(numbers), cmocka_unit_test(names),
+        cmocka_unit_test(csv),
+        cmocka_unit_test(markdown),
+        cmocka_unit_test(without_two_pass),
+        cmocka_unit_test(layers_and_lists),
+        cmocka_unit_test(samples),
+        cmocka_unit_test(numbers),
+        cmocka_unit_test(names),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -23,8 +23,10 @@ static struct stp_scene *make_scene(unsigned shape, double offset)
         n[i][1] = 1;
         radius[i] = 0.01f + 0.1f * (float)fabs(sin(t));
     }
-    struct stp_points points = { 400, (const double(*)[3])p, (const float(*)[3])n, radius, NULL,
-                                 NULL };
+    struct stp_points points = { .count = 400,
+                                 .position = (const double(*)[3])p,
+                                 .normal = (const float(*)[3])n,
+                                 .radius = radius };
     struct stp_scene *scene;
     assert_int_equal(stp_scene_create(NULL, &scene), STP_OK);
     assert_int_equal(stp_scene_add_points(NULL, scene, &points, NULL), STP_OK);

@@ -116,9 +116,12 @@ static void clouds_change_hands(void **state)
 static void no_memory(void **state)
 {
     float one[2][3] = { { 1 } };
-    struct stp_points all = {
-        2, two, (const float(*)[3])one, one[0], (const float(*)[3])one, one[0]
-    };
+    struct stp_points all = { .count = 2,
+                              .position = two,
+                              .normal = (const float(*)[3])one,
+                              .radius = one[0],
+                              .color = (const float(*)[3])one,
+                              .opacity = one[0] };
     for (unsigned long n = 1, reached = 1; reached; n++) {
         struct stp_scene *scene = NULL;
         mem_fail_at(n);

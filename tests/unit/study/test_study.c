@@ -16,39 +16,91 @@ static bool same(const struct study_config *a, const struct study_config *b)
     return a->method == b->method && a->path == b->path &&
            (a->payload == b->payload || a->payload == STP_PAYLOAD_AUTO) &&
            a->voronoi == b->voronoi && a->overlap == b->overlap &&
-           a->epsilon_scale == b->epsilon_scale;
+           a->epsilon_scale == b->epsilon_scale && a->transparency == b->transparency &&
+           a->peel_layers == b->peel_layers && a->merge == b->merge && a->axis_h == b->axis_h;
 }
 
-static void configurations(void **state)
+/* None twice, a baseline among them, and quick is a part of the whole. */
+static unsigned check_configs(const struct stp_facts *facts,
+                              struct study_config all[STUDY_MAX_CONFIGS])
 {
-    struct study_config all[STUDY_MAX_CONFIGS], quick[STUDY_MAX_CONFIGS];
-    unsigned count = study_configs(false, all), few = study_configs(true, quick);
+    struct study_config quick[STUDY_MAX_CONFIGS];
+    unsigned count = study_configs(facts, false, all), few = study_configs(facts, true, quick);
+    bool baseline = false;
     assert_true(count < STUDY_MAX_CONFIGS && count < REPORT_MAX_ROWS);
-    assert_int_equal(count, 2 + 2 + 2 + 5 * 9);
-    assert_true(few < count / 2);
-    unsigned deferred = 0, baseline = 0;
+    assert_true(few < count);
     for (unsigned i = 0; i < count; i++) {
-        deferred += all[i].method == STP_METHOD_DEFERRED;
-        baseline += all[i].method == STP_METHOD_TWO_PASS;
-        assert_int_equal(all[i].overlap > 0, all[i].method == STP_METHOD_DEFERRED);
+        struct report_row row = { 0 };
+        study_describe(&all[i], &row);
+        baseline |= row.is_baseline;
         for (unsigned k = 0; k < i; k++)
             assert_false(same(&all[i], &all[k]));
     }
-    assert_int_equal(deferred, 45);
-    assert_int_equal(baseline, 2);
-    for (unsigned i = 0; i < few; i++) { /* quick is a part of the whole */
+    assert_true(baseline);
+    for (unsigned i = 0; i < few; i++) {
         bool found = false;
         for (unsigned k = 0; k < count; k++)
             found |= same(&quick[i], &all[k]);
         assert_true(found);
     }
+    return count;
+}
+
+static void configurations(void **state)
+{
+    struct study_config all[STUDY_MAX_CONFIGS];
+    const struct stp_facts facts = { 0 };
+    unsigned count = check_configs(&facts, all), deferred = 0, baseline = 0;
+    assert_int_equal(count, 2 + 2 + 2 + 5 * 9);
+    for (unsigned i = 0; i < count; i++) {
+        deferred += all[i].method == STP_METHOD_DEFERRED;
+        baseline += all[i].method == STP_METHOD_TWO_PASS;
+        assert_int_equal(all[i].overlap > 0, all[i].method == STP_METHOD_DEFERRED);
+        assert_int_equal(all[i].transparency, STP_TRANSPARENCY_AUTO);
+    }
+    assert_int_equal(deferred, 45);
+    assert_int_equal(baseline, 2);
+}
+
+/* Peeling at 1, 2, 4, 8 and 16 layers by both paths, and each of the others. */
+static void of_transparent_scenes(void **state)
+{
+    struct study_config all[STUDY_MAX_CONFIGS];
+    const struct stp_facts facts = { .transparent = true };
+    unsigned count = check_configs(&facts, all), seen[STP_TRANSPARENCY_REFERENCE + 1] = { 0 };
+    for (unsigned i = 0; i < count; i++) {
+        seen[all[i].transparency]++;
+        assert_int_equal(all[i].peel_layers > 0, all[i].transparency == STP_TRANSPARENCY_PEEL);
+    }
+    assert_int_equal(seen[STP_TRANSPARENCY_AUTO], 0);
+    assert_int_equal(seen[STP_TRANSPARENCY_FAST], 1);
+    assert_int_equal(seen[STP_TRANSPARENCY_NEAREST], 1);
+    assert_int_equal(seen[STP_TRANSPARENCY_EXACT], 2);
+    assert_int_equal(seen[STP_TRANSPARENCY_PEEL], 10);
+}
+
+static void of_volumes(void **state)
+{
+    struct study_config all[STUDY_MAX_CONFIGS];
+    const struct stp_facts facts = { .volume.dims = { 4, 4, 4 } };
+    unsigned count = check_configs(&facts, all), seen[STP_AXIS_SORT + 1] = { 0 };
+    for (unsigned i = 0; i < count; i++) {
+        assert_int_equal(all[i].method, STP_METHOD_AXIS);
+        seen[all[i].merge]++;
+    }
+    assert_int_equal(seen[STP_AXIS_BLEND], 8);
+    for (unsigned merge = STP_AXIS_CLIP; merge <= STP_AXIS_SORT; merge++)
+        assert_int_equal(seen[merge], 2);
 }
 
 static void described(void **state)
 {
-    struct study_config config = {
-        STP_METHOD_DEFERRED, STP_PATH_COMPUTE, STP_PAYLOAD_PACKED, STP_VORONOI_SLAB, 0.6, 1
-    };
+    struct study_config config = { .method = STP_METHOD_DEFERRED,
+                                   .path = STP_PATH_COMPUTE,
+                                   .payload = STP_PAYLOAD_PACKED,
+                                   .voronoi = STP_VORONOI_SLAB,
+                                   .overlap = 0.6,
+                                   .epsilon_scale = 1 };
     struct report_row row = { 0 };
     char name[REPORT_NAME_SIZE];
     study_describe(&config, &row);
@@ -67,7 +119,9 @@ static struct stp_scene *plane_scene(void)
         normal[i][2] = 1;
         radius[i] = 1.5f;
     }
-    struct stp_points points = { SIDE * SIDE, position, normal, radius, NULL, NULL };
+    struct stp_points points = {
+        .count = SIDE * SIDE, .position = position, .normal = normal, .radius = radius
+    };
     struct stp_scene *scene = NULL;
     assert_int_equal(stp_scene_create(NULL, &scene), STP_OK);
     assert_int_equal(stp_scene_add_points(NULL, scene, &points, NULL), STP_OK);
@@ -139,7 +193,8 @@ static void refused(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(configurations), cmocka_unit_test(described),
+        cmocka_unit_test(configurations), cmocka_unit_test(of_transparent_scenes),
+        cmocka_unit_test(of_volumes),     cmocka_unit_test(described),
         cmocka_unit_test(groupings),      cmocka_unit_test(groupings_without_memory),
         cmocka_unit_test(refused),
     };

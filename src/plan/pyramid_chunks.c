@@ -1,0 +1,57 @@
+/* Points that the device cannot hold at once: projecting them has no order, so they pass through
+ * its buffers one chunk after another, each projected and gathered before the next. */
+#include "plan/plan.h"
+
+#include <stdio.h>
+#include <string.h>
+
+#define MOST_TEXELS ((uint64_t)1 << 26) /* of a buffer that is fetched as texels */
+
+uint64_t plan_chunk_points(const struct stp_plan *plan)
+{
+    uint64_t most = 0;
+    for (uint32_t i = 0; i < plan->chunk_count; i++) {
+        uint64_t points = plan->chunk[i + 1] - plan->chunk[i];
+        most = points > most ? points : most;
+    }
+    return plan->chunk_count ? most : plan->facts.splats;
+}
+
+static uint64_t bytes_of_points(const struct stp_plan *plan)
+{
+    return 16 + 4 + (plan->facts.has_color ? 12 : 0) + (plan->facts.objects > 1 ? 4 : 0);
+}
+
+/* A quarter of the device's memory leaves room for the picture. */
+static uint64_t points_at_once(const struct stp_plan *plan)
+{
+    uint64_t by_heap = plan->limits.heap_bytes / 4 / bytes_of_points(plan);
+    uint64_t by_buffer = plan->limits.max_allocation / 16;
+    uint64_t most = by_heap < by_buffer ? by_heap : by_buffer;
+    most = most < MOST_TEXELS ? most : MOST_TEXELS;
+    return most / STP_POINT_RUN * STP_POINT_RUN;
+}
+
+static bool all_at_once(const struct stp_plan *plan)
+{
+    uint64_t n = plan->facts.splats;
+    return n * bytes_of_points(plan) <= plan->limits.heap_bytes / 2 && n <= MOST_TEXELS &&
+           n * 16 <= plan->limits.max_allocation;
+}
+
+bool plan_pyramid_chunks(struct stp_plan *plan)
+{
+    uint64_t n = plan->facts.splats, most = points_at_once(plan);
+    plan->chunk_count = 0;
+    if (all_at_once(plan))
+        return true;
+    if (most == 0 || (n + most - 1) / most > PLAN_MAX_CHUNKS)
+        return false;
+    plan->chunk_count = (uint32_t)((n + most - 1) / most);
+    for (uint32_t i = 0; i <= plan->chunk_count; i++)
+        plan->chunk[i] = (uint32_t)(i * most < n ? i * most : n);
+    size_t length = strlen(plan->why);
+    snprintf(plan->why + length, sizeof plan->why - length,
+             " The points pass through the device's memory in %u chunks.", plan->chunk_count);
+    return true;
+}

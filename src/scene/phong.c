@@ -1,0 +1,94 @@
+#include "scene/phong.h"
+
+#include <string.h>
+
+#include "base/vec.h"
+
+#define FLOATS    15   /* u, radius, field and clip: what comes before the bytes */
+#define UNIT      5e-7 /* within this, a float vector is unit, and two are at right angles */
+#define LEAST_SIN 1e-3 /* of the angle between u and the normal */
+
+_Static_assert(offsetof(struct stp_phong_splat, clips) == FLOATS * sizeof(float), "no padding");
+
+bool phong_is_disc(const struct stp_phong_splat *phong)
+{
+    return phong->u[0] == 0 && phong->u[1] == 0 && phong->u[2] == 0;
+}
+
+static void store(struct vec3 v, float out[3])
+{
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+struct stp_phong_splat phong_of_disc(const float normal[3], float radius)
+{
+    struct stp_phong_splat made = { .radius = { radius, radius } };
+    struct vec3 n = v3_loadf(normal);
+    struct vec3 across = fabs(n.x) < 0.7 ? v3(1, 0, 0) : v3(0, 1, 0);
+    store(v3_unit(v3_cross(n, across)), made.u);
+    return made;
+}
+
+bool phong_is_plain(const struct stp_phong_splat *phong)
+{
+    bool constant = true;
+    for (int i = 0; i < 4; i++)
+        constant = constant && phong->field[i] == 0;
+    return phong->clips == 0 && constant && phong->radius[0] == phong->radius[1];
+}
+
+static bool all_finite(const float *value, unsigned count)
+{
+    bool finite = true;
+    for (unsigned i = 0; i < count; i++)
+        finite = finite && isfinite(value[i]);
+    return finite;
+}
+
+static bool straighten(float u[3], const float normal[3])
+{
+    struct vec3 n = v3_loadf(normal), given = v3_loadf(u);
+    double length = v3_length(given), along = v3_dot(given, n);
+    if (fabs(length - 1) < UNIT && fabs(along) < UNIT)
+        return true;
+    struct vec3 across = v3_sub(given, v3_scale(n, along));
+    if (!(v3_length(across) > LEAST_SIN * length))
+        return false;
+    store(v3_unit(across), u);
+    return true;
+}
+
+bool phong_clean(struct stp_phong_splat *phong, const float normal[3])
+{
+    if (phong->clips > 2 || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
+        return false;
+    for (unsigned line = phong->clips; line < 2; line++)
+        memset(phong->clip[line], 0, sizeof phong->clip[line]);
+    phong->reflex = phong->clips == 2 && phong->reflex;
+    return all_finite(phong->u, 3) && all_finite(phong->radius, 2) && phong->radius[0] > 0 &&
+           phong->radius[1] > 0 && all_finite(phong->field, 4) && all_finite(phong->clip[0], 6) &&
+           straighten(phong->u, normal);
+}
+
+void phong_transform(struct stp_phong_splat *phong, const double m[16], double scale)
+{
+    store(v3_scale(m4_direction(m, v3_loadf(phong->u)), 1 / scale), phong->u);
+    for (int i = 0; i < 2; i++)
+        phong->radius[i] = (float)(phong->radius[i] * scale);
+}
+
+bool phong_equal(const struct stp_phong_splat *a, const struct stp_phong_splat *b)
+{
+    return memcmp(a, b, FLOATS * sizeof(float)) == 0 && a->clips == b->clips &&
+           a->reflex == b->reflex;
+}
+
+void phong_word(const struct stp_phong_splat *phong, unsigned word, uint32_t half[2])
+{
+    const char *at = (const char *)phong + word * 2 * sizeof *half;
+    memcpy(half, at, word + 1 < PHONG_WORDS ? 2 * sizeof *half : sizeof *half);
+    if (word + 1 == PHONG_WORDS)
+        half[1] = phong->clips | (uint32_t)phong->reflex << 8;
+}
