@@ -55,6 +55,13 @@ double range_deviation(const struct range_frame *frame, double depth)
     return s->sigma * depth * depth;
 }
 
+static bool in_margin(const struct range_units *units, const struct range_frame *frame, size_t i)
+{
+    double x = (double)(i % frame->width) + 0.5, y = (double)(i / frame->width) + 0.5;
+    return x < units->margin || y < units->margin || x > frame->width - units->margin ||
+           y > frame->height - units->margin;
+}
+
 /* 0 is no reading, in every kind of file; of a disparity so is one at infinity. */
 static void to_depths(const struct range_units *units, struct range_frame *frame, float *value)
 {
@@ -67,7 +74,7 @@ static void to_depths(const struct range_units *units, struct range_frame *frame
             frame->not_finite++;
             depth = 0;
         }
-        value[i] = (float)depth;
+        value[i] = in_margin(units, frame, i) ? 0 : (float)depth;
     }
     frame->depth = value;
 }

@@ -90,6 +90,7 @@ struct range_units {
     double depth_scale; /* depth = value / depth_scale */
     double baseline;    /* > 0: depth = fx baseline / (value / depth_scale + offset) */
     double disparity_offset;
+    double margin; /* pixels at the edges of a frame that are left out */
 };
 
 /* Both pictures of a frame whose camera and sensor are set; sizes must agree. On failure the frame

@@ -20,8 +20,8 @@ struct seen {
     double at[2];
 };
 
-/* The weight of frame `index` on the place: the inverse of its variance times how well its reading
- * agrees, over the own frame's inverse variance. 0: it sees something else, or nothing. */
+/* The weight of frame `index` on the place: the inverse of its variance over the own frame's. 0: it
+ * sees something else, or nothing. */
 static double weight_of(const struct range *range, unsigned index, struct vec3 place,
                         double deviation, double at[2])
 {
@@ -37,10 +37,9 @@ static double weight_of(const struct range *range, unsigned index, struct vec3 p
     double own =
         fmax(range->uncertainty * range_deviation(f, depth), RANGE_LEAST_DEPTH * footprint);
     double variance = deviation * deviation + own * own + footprint * footprint;
-    double off = (z - depth) * (z - depth) / variance;
-    if (off > RANGE_AGREEMENT * RANGE_AGREEMENT)
+    if ((z - depth) * (z - depth) > RANGE_AGREEMENT * RANGE_AGREEMENT * variance)
         return 0;
-    return exp(-0.5 * off) * deviation * deviation / (own * own);
+    return deviation * deviation / (own * own);
 }
 
 /* The lightest goes where there are too many; the first, the own frame's, stays. */

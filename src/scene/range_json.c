@@ -8,7 +8,7 @@
 #include "scene/range.h"
 #include "scene/scene_json.h"
 
-#define KEYS_OF_ALL "intrinsics intrinsics_file depth_scale disparity sensor"
+#define KEYS_OF_ALL "intrinsics intrinsics_file depth_scale disparity sensor margin"
 
 /* What frames have in common. */
 struct common {
@@ -73,6 +73,10 @@ static enum stp_result get_units(const struct json_at *at, const cJSON *item,
     const cJSON *disparity = cJSON_GetObjectItemCaseSensitive(item, "disparity");
     struct json_at below = json_below(at, "disparity", -1);
     enum stp_result result = get_above_zero(at, item, "depth_scale", &units->depth_scale);
+    if (result == STP_OK)
+        result = json_get_number(at, item, "margin", &units->margin);
+    if (result == STP_OK && !(units->margin >= 0))
+        return json_error(at, "margin", "must not be negative");
     if (result != STP_OK || !disparity)
         return result;
     result = json_check_object(&below, disparity, "baseline offset");
