@@ -80,6 +80,7 @@ static void read_all(struct reading *r, png_structp png, png_infop info)
         png_read_row(png, r->row, NULL);
         take_row(r, y);
     }
+    png_read_end(png, NULL); /* and what it says of the whole */
 }
 
 enum stp_result range_read_png(const struct stp_env *env, const char *path,

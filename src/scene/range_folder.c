@@ -53,31 +53,38 @@ static const char *in_folder(struct folder *folder, const char *file)
     return folder->name;
 }
 
-/* KIND/N with the first ending that exists; NULL: there is none. Owned by the caller. */
-static char *find_picture(const struct folder *folder, const char *kind, unsigned number)
+/* KIND/N with the first ending that exists, owned by the caller; NULL: there is none. */
+static enum stp_result find_picture(const struct folder *folder, const char *kind, unsigned number,
+                                    char **found)
 {
     static const char *const endings[] = { "png", "pgm", "ppm", "exr" };
     char *name = mem_alloc(folder->size, 1);
-    for (unsigned i = 0; name && i < sizeof endings / sizeof *endings; i++) {
+    *found = NULL;
+    if (!name)
+        return log_no_memory(folder->env, folder->size, folder->path);
+    for (unsigned i = 0; i < sizeof endings / sizeof *endings; i++) {
         struct stat st;
         snprintf(name, folder->size, "%s/%s/%u.%s", folder->path, kind, number, endings[i]);
-        if (stat(name, &st) == 0)
-            return name;
+        if (stat(name, &st) == 0) {
+            *found = name;
+            return STP_OK;
+        }
     }
     mem_free(name);
-    return NULL;
+    return STP_OK;
 }
 
 static enum stp_result read_frame(const struct folder *folder, unsigned number,
                                   const struct range_units *units, enum stp_transfer transfer,
                                   struct range_frame *frame)
 {
-    char *depth = find_picture(folder, "depth", number);
-    char *color = find_picture(folder, "color", number);
-    enum stp_result result;
-    if (depth && color)
+    char *depth = NULL, *color = NULL;
+    enum stp_result result = find_picture(folder, "depth", number, &depth);
+    if (result == STP_OK)
+        result = find_picture(folder, "color", number, &color);
+    if (result == STP_OK && depth && color)
         result = range_frame_read(folder->env, depth, color, units, transfer, frame);
-    else
+    else if (result == STP_OK)
         result = log_error(folder->env, STP_ERROR_FORMAT,
                            "%s: pose.txt has a pose %u, but there is no %s/%u.png, .pgm, .ppm or "
                            ".exr",
@@ -91,10 +98,12 @@ static enum stp_result read_frames(struct folder *folder, const struct range_fra
                                    const struct range_units *units, double (*pose)[16],
                                    const struct stp_load_params *params, struct range *range)
 {
-    char *zero = find_picture(folder, "depth", 0);
+    char *zero = NULL;
+    enum stp_result result = find_picture(folder, "depth", 0, &zero);
     unsigned first = zero ? 0 : 1, count = range->count;
     mem_free(zero);
-    enum stp_result result = STP_OK;
+    if (result != STP_OK)
+        return result;
     range->frame = mem_zalloc(count, sizeof *range->frame);
     if (!range->frame) {
         range->count = 0;

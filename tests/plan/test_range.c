@@ -1,0 +1,78 @@
+/* Plans of range images: what an ellipsoid adds is there, and nowhere else. */
+#include "plans.h"
+
+#include "ranges.h"
+
+static struct inputs range_inputs(void)
+{
+    struct range range = random_range(3, 2, 8, 0.05);
+    struct inputs in = { .scene = range_scene(&range), .camera = hard_view(0, 64, 48) };
+    stp_limits_lavapipe(&in.limits);
+    return in;
+}
+
+static void ellipsoids_by_compute(void **state)
+{
+    struct inputs in = range_inputs();
+    struct stp_plan *plan = plan_of(&in);
+    assert_int_equal(plan->method, STP_METHOD_AXIS);
+    assert_int_equal(plan->constant[PLAN_ELLIPSOIDS], 1);
+    assert_int_equal(plan->constant[PLAN_UNLIT], 1);
+    assert_int_equal(resource_named(plan, "kernels")->bytes, 80 * plan->axis.count);
+    assert_int_equal(resource_named(plan, "projected")->bytes, 64 * plan->axis.count);
+    assert_int_equal(plan_find(plan, PLAN_MATERIALS), PLAN_NONE); /* nothing is lit */
+    assert_int_equal(plan->constant[PLAN_AXIS_CUT], 0);           /* nothing is near the eye */
+    stp_plan_destroy(&plan);
+    look_at(&in.camera, v3(0, 0, 0.1), v3(0, 0.1, -1));
+    plan = plan_of(&in);
+    assert_int_equal(plan->constant[PLAN_AXIS_CUT], 1);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+/* A volume and points have no byte of it. */
+static void others_pay_nothing(void **state)
+{
+    struct inputs in = {
+        .scene = block_scene((uint32_t[]){ 4, 5, 6 }, (double[]){ 1, 1, 1 }, 0.5),
+        .camera = plain_camera(64, 48, 200),
+    };
+    stp_limits_lavapipe(&in.limits);
+    look_at(&in.camera, v3(0, 0, 40), v3(0, 0, 0));
+    struct stp_plan *plan = plan_of(&in);
+    assert_int_equal(plan->constant[PLAN_ELLIPSOIDS], 0);
+    assert_int_equal(resource_named(plan, "kernels")->bytes, 32 * plan->axis.count);
+    assert_int_equal(resource_named(plan, "projected")->bytes, 32 * plan->axis.count);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+    in = plain_inputs();
+    plan = plan_of(&in);
+    assert_int_equal(plan->constant[PLAN_ELLIPSOIDS], 0);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+static void surfaces_are_refused(void **state)
+{
+    struct inputs in = range_inputs();
+    struct plan_log log = { 0 };
+    struct stp_env env = { .log = plan_keep_line, .user = &log };
+    struct stp_plan *plan = NULL;
+    in.params.method = STP_METHOD_EXACT;
+    assert_int_equal(stp_plan_create(&env, in.scene, &in.camera, &in.params, &in.limits, &plan),
+                     STP_ERROR_ARGUMENT);
+    assert_null(plan);
+    assert_int_equal(log.lines, 1);
+    assert_non_null(strstr(log.last, "--range-splats discs"));
+    release_inputs(&in);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(ellipsoids_by_compute),
+        cmocka_unit_test(others_pay_nothing),
+        cmocka_unit_test(surfaces_are_refused),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
