@@ -72,6 +72,7 @@ struct settings {
     double exposure, least_psnr;
     unsigned repeat, threads, rounds;
     unsigned split; /* enum split */
+    enum stp_toggle stream;
     bool half, quick, json, quiet, verbose, with_groups, calibrate;
 };
 

@@ -120,6 +120,14 @@ const struct option_spec option_table[] = {
     { NULL, POINTS, "transfer", 0, "auto|srgb|linear",
       "how colours are stored (default: auto, 8- and 16-bit sRGB, float linear)",
       value_choice, AT(load.transfer), NULL, 0, 0, NULL },
+    { NULL, POINTS, "radius", 0, "R",
+      "of points that bring none, in scene units (default: from the spacing of their neighbours)",
+      value_intensity, AT(load.radius), "a number above 0", ABOVE_0, NULL },
+    { NULL, PICTURE, "stream", 0, "auto|on|off",
+      "leave the points of a binary PLY in the file and read them chunk by chunk; for method "
+      "pyramid, where there are normals, and radii or --radius (default: auto, from 2^24 points "
+      "on with --method pyramid)",
+      value_choice, AT(stream), NULL, 0, 0, NULL },
     { NULL, POINTS, "two-sided", 0, "auto|on|off",
       "turn normals to the eye (default: auto, on where they were estimated or point inward, or "
       "the surface is open)",
@@ -290,9 +298,9 @@ const struct option_spec option_table[] = {
       value_flag, AT(calibrate), NULL, 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
-      "float64, storage-formats; may be repeated (default: none)",
+      "float64, storage-formats, independent-blend; may be repeated (default: none)",
       value_features, AT(render.mask_features),
-      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats with "
+      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, independent-blend with "
       "commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,

@@ -51,6 +51,15 @@ static enum stp_result prepare_named(struct console *console, const char *path,
     return stp_scene_prepare(&env, scene, params);
 }
 
+#define MOST_LOADED ((size_t)1 << 24) /* points: beyond it what can stay in its file does */
+
+static size_t stream_above(const struct settings *settings)
+{
+    if (settings->stream == STP_AUTO)
+        return settings->render.method == STP_METHOD_PYRAMID ? MOST_LOADED : 0;
+    return settings->stream == STP_ON;
+}
+
 int load_and_prepare(struct console *console, const struct settings *settings, const char *path,
                      struct stp_scene **scene, struct run_times *times)
 {
@@ -58,6 +67,7 @@ int load_and_prepare(struct console *console, const struct settings *settings, c
     double start = seconds_now();
     struct stp_load_params load = settings->load;
     load.optics = &settings->optics;
+    load.stream_above = stream_above(settings);
     enum stp_result result = stp_scene_load(&console->env, path, &load, &loaded);
     if (result == STP_OK && settings->environment)
         result = stp_scene_load_environment(&console->env, loaded, settings->environment,
@@ -116,12 +126,23 @@ int find_camera(struct console *console, const struct settings *settings,
     return exit_of_input(frame_scene(settings, scene, camera));
 }
 
+static int cover_if_needed(struct console *console, const struct settings *settings,
+                           struct stp_scene *scene, const struct stp_limits *limits)
+{
+    const struct stp_facts *facts = stp_scene_facts(scene);
+    struct stp_cover_params params = { .groups = settings->group.max_groups };
+    if (facts->cover.groups || !stp_plan_needs_cover(facts, &settings->render, limits) ||
+        stp_scene_cover(&console->env, scene, &params) == STP_OK)
+        return EXIT_DONE;
+    return EXIT_FAILED;
+}
+
 static int group_if_needed(struct console *console, const struct settings *settings,
                            struct stp_scene *scene, const struct stp_limits *limits)
 {
     const struct stp_facts *facts = stp_scene_facts(scene);
     if (facts->grouping.groups || !stp_plan_needs_groups(facts, &settings->render, limits))
-        return EXIT_DONE;
+        return cover_if_needed(console, settings, scene, limits);
     if (stp_scene_group(&console->env, scene, &settings->group) == STP_OK)
         return EXIT_DONE;
     return EXIT_FAILED;

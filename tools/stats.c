@@ -27,6 +27,21 @@ static void add_grouping(struct json_out *out, cJSON *stats, const struct stp_gr
     json_array(out, object, "coverage");       /* empty: not measured */
 }
 
+/* In its place, where the groups each cover the surface. */
+static void add_cover(struct json_out *out, cJSON *stats, const struct stp_cover *cover)
+{
+    json_number(out, stats, "groups", cover->groups);
+    cJSON *object = json_object(out, stats, "grouping");
+    json_number(out, object, "ms", cover->milliseconds);
+    json_number(out, object, "K", cover->groups);
+    json_number(out, object, "duplicates", cover->duplicates);
+    json_number(out, object, "error", cover->error);
+    int count = (int)cover->groups;
+    json_numbers(out, object, "before", cover->before, count);
+    json_numbers(out, object, "coverage", cover->coverage, count);
+    json_numbers(out, object, "factor", cover->factor, count);
+}
+
 static void add_passes(struct json_out *out, cJSON *stats, const struct stp_render_stats *render)
 {
     cJSON *passes = json_array(out, stats, "passes");
@@ -85,7 +100,10 @@ void stats_add(struct json_out *out, cJSON *list, const struct stp_limits *limit
     json_number(out, stats, "splats", (double)facts->splats);
     json_number(out, stats, "splats_drawn",
                 render->splats_drawn ? (double)render->splats_drawn : NAN); /* null */
-    add_grouping(out, stats, &facts->grouping);
+    if (facts->cover.groups)
+        add_cover(out, stats, &facts->cover);
+    else
+        add_grouping(out, stats, &facts->grouping);
     json_text(out, stats, "method", stp_method_name(summary.method));
     json_text(out, stats, "path", stp_path_name(summary.path));
     add_passes(out, stats, render);

@@ -58,7 +58,8 @@ layout(constant_id = 27) const uint AXIS_PART = 0;
 layout(constant_id = 28) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
 layout(constant_id = 29) const bool MIXED = false;       // some splats are opaque, where others are not
 layout(constant_id = 30) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
-layout(constant_id = 31) const bool ELLIPSOIDS = false;  // axis: of range images
+layout(constant_id = 31) const uint HOST_DEPTH = 0;      // enum plan_host_depth
+layout(constant_id = 32) const bool ELLIPSOIDS = false;  // axis: of range images
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
@@ -68,8 +69,9 @@ const uint ID_WORDS = (SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS) + ((AOVS & 4) == 0 ?
 #ifndef PUSH_MORE
 #define PUSH_MORE
 #endif
-// push_first: the first splat of a draw, or the level of a pyramid; push_count: points.
-layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; uint push_pad; PUSH_MORE };
+// push_first: the first splat of a draw, or the level of a pyramid; push_count: points; of a draw,
+// push_factor: of radii, push_shift: of its slabs, in slabs.
+layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; float push_factor; float push_shift; uint push_pad; PUSH_MORE };
 // Constant 22 is the size of a workgroup of the pyramid's passes.
 
 // An id that can be looked up, also of a lane that has none: loads are not always masked.

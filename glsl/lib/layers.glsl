@@ -19,10 +19,14 @@ void ray_layer(inout Ray ray, uvec2 p, Surface s, float alpha)
     Look look = surface_look(p, true, s);
     if (alpha == 1)
         surface_meet(look, p, true, s);
+    float end = ray.through > 0 && alpha == 1 ? look.depth : ray.first.depth;
     if (ray.layers == 0) {
         ray.first = look;
         ray.surface = s;
     }
+    // A host's depth takes that of what is opaque, and of nothing else.
+    if (HOST_DEPTH != 0)
+        ray.first.depth = end;
     ray.layers++;
     ray.color += ray.through * alpha * ray.tint * look.color;
     if ((OPTICS & STP_OPTICS_ABSORBS) != 0 &&

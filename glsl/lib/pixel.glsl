@@ -32,6 +32,13 @@ vec2 pixel_position(uvec2 p)
     return vec2(at) + sample_part(at);
 }
 
+// The host's triangles hide what is at or behind their depth.
+bool behind_host(uint pixel, float depth)
+{
+    return HOST_DEPTH != 0 && depth >= frame.limits.v[pixel];
+}
+
+#ifndef GRAPHICS
 // Workgroups come in rows. Both halves of a dispatch run at once on a CPU device: neighbours in
 // this order then share its cache. May reach past what was asked for: compare with the count.
 uint workgroup_index()
@@ -40,4 +47,5 @@ uint workgroup_index()
     uint count = gl_NumWorkGroups.x * gl_NumWorkGroups.y, first = (count + 1) / 2;
     return g < first ? 2 * g : 2 * (g - first) + 1;
 }
+#endif
 #endif

@@ -332,6 +332,13 @@ bool splat_small(Splat s, out bool floored, out ivec4 box)
     return bounds_small(s, floored, box);
 }
 
+// One of the opaque ones of a scene that is transparent elsewhere.
+bool splat_opaque(uint id)
+{
+    return MIXED &&
+           (floatBitsToUint(frame.splats.v[2 * splat_known(id) + 1].w) & STP_TAG_OPAQUE) != 0;
+}
+
 // In a scene that is transparent somewhere.
 float splat_opacity(uint id)
 {

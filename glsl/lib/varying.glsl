@@ -11,6 +11,9 @@ VARY(2) vec4 vary_b; // ab, h
 VARY(3) vec4 vary_c; // q, reach (negative: the disc is clipped)
 VARY(4) vec3 vary_normal;
 VARY(6) uint vary_encoded; // the normal, PACKED
+#ifdef BLENDED
+VARY(7) vec4 vary_color; // shaded, or the albedo; opacity
+#endif
 
 #ifdef FRAGMENT
 // Discards where the pixel's ray misses the splat.
@@ -24,6 +27,9 @@ Fragment fragment_here()
     if (f.reach < 0) {
         Splat s;
         splat_load(vary_id, s);
+#ifdef BLENDED
+        s.radius *= push_factor;
+#endif
         hit = clipped_hit(s, pixel, fragment);
     } else {
         hit = footprint_hit(f, place_offset(f.p, pixel), fragment);

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// ZP Algorithm 1, geometry pass, by the rasteriser: the winner's id, or its packed key; Eq. 10 as
+// ZP Algorithm 1, geometry pass, by the rasteriser: the winner's id and depth, or its packed key; Eq. 10 as
 // the depth.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
@@ -19,7 +19,7 @@ void main()
 #ifdef WITH_KEY
     winner = key_words(f, vary_encoded);
 #else
-    winner = uvec2(vary_id);
+    winner = uvec2(vary_id, floatBitsToUint(f.depth));
 #endif
     gl_FragDepth = hardware_depth(f.depth);
     if (VORONOI == 1) {

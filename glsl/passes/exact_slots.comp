@@ -14,6 +14,8 @@ uint splat_encode(Splat s)
 
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
+    if (behind_host(pixel, f.depth))
+        return;
     uint slot = atomicAdd(frame.counts.v[pixel], 1);
     if (slot >= STP_SLOTS)
         return;

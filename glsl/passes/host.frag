@@ -1,17 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The finished tile into the host's colour, and, with WITH_DEPTH, its depth convention.
-// struct pass_host_push: where the picture's corner is in the host's image; hardware depth = add +
-// scale / Z (orthographic: * Z), none where nothing is; the largest finite value of the format;
-// whether pixels without a surface are written too.
-#define PUSH_MORE                                                                                  \
-    ivec2 push_corner;                                                                             \
-    float push_add;                                                                                \
-    float push_scale;                                                                              \
-    float push_none;                                                                               \
-    float push_most;                                                                               \
-    uint push_replace;
-#include "lib/common.glsl"
+// The finished tile into the host's colour, and, with WITH_DEPTH, its depth. Layers were cut by that
+// depth when they were made: it is then not tested, and stays where nothing opaque ends the ray.
+#include "lib/host.glsl"
 
 layout(location = 0) out vec4 color;
 
@@ -28,5 +19,7 @@ void main()
 #ifdef WITH_DEPTH
     float d = push_add + push_scale * (ORTHOGRAPHIC ? z : 1 / z);
     gl_FragDepth = none ? push_none : clamp(d, 0, 1);
+    if (HOST_DEPTH != 0 && none)
+        gl_FragDepth = host_depth(ivec2(gl_FragCoord.xy));
 #endif
 }

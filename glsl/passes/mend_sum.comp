@@ -17,7 +17,7 @@ uint splat_encode(Splat s)
 
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
-    if (mend_skip(pixel))
+    if (mend_skip(pixel) || behind_host(pixel, f.depth))
         return;
     bool opaque = MIXED && (s.tag & STP_TAG_OPAQUE) != 0;
     atomicMin(frame.keys.v[mend_at(pixel, opaque ? MEND_WALL : MEND_NEXT)],
@@ -53,7 +53,7 @@ void sum(uint pixel, uint id, Splat s, Fragment f, float above)
 
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
-    if (mend_skip(pixel))
+    if (mend_skip(pixel) || behind_host(pixel, f.depth))
         return;
     uint64_t now = frame.keys.v[mend_at(pixel, MEND_NOW)];
     uint64_t wall = frame.keys.v[mend_at(pixel, MEND_WALL)];

@@ -9,6 +9,12 @@
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
 #include "lib/varying.glsl"
+#ifdef BLENDED
+#define GRAPHICS
+#include "lib/pixel.glsl"
+#include "lib/shade.glsl"
+#include "lib/transparent.glsl"
+#endif
 
 // An equilateral triangle of inradius 1 reaches 2. Vertices are snapped to 1/256 of a pixel: where
 // the disc is thinner than some of those on the screen, it gets that much more room.
@@ -52,6 +58,12 @@ void main()
 #endif
     Splat s;
     bool floored, seen = splat_load(id, s);
+#ifdef BLENDED
+    s.radius *= push_factor;
+    vec3 albedo = splat_albedo(id);
+    vary_color = vec4(SHADED_ONCE ? shade(splat_material(id), albedo, s.normal, vec2(0), 0) : albedo,
+                      splat_opacity(id));
+#endif
     Footprint f = footprint_make(s, floored);
     vec2 turn = vec2(corner == 0 ? 1.0 : -0.5, corner == 0 ? 0 : corner == 1 ? 0.8660254 : -0.8660254);
     gl_Position = floored ? ellipse_vertex(f, turn) : disc_vertex(s, turn);

@@ -19,8 +19,15 @@ void main()
     float nearest = uintBitsToFloat(first.x), epsilon = object_epsilon(first.y);
     if (f.depth > nearest + epsilon)
         discard;
+#ifdef PEEL
+    if (f.depth < nearest || (MIXED && splat_opaque(vary_id) != splat_opaque(first.y)))
+        discard;
+#endif
     float w = kernel_weight(f.rho2);
     sum = vec4(w * vary_normal, w);
     depth_sum = vec2(w * (f.depth - nearest) / epsilon, 1);
     color_sum = HAS_COLOR ? vec4(w * frame.colors.v[vary_id], w) : vec4(0);
+#ifdef PEEL
+    color_sum.w = w * splat_opacity(vary_id);
+#endif
 }

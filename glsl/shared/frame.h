@@ -150,6 +150,8 @@ struct stp_frame_constants {
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
     STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per splat of a list: centre, tau; colour */
     STP_ADDRESS(Vec4Ref, axis_sums); /* axis, compute: 2 a pixel and walk */
+    STP_ADDRESS(UintRef, host_words); /* the host's depth as it was copied, rows of what was copied */
+    STP_ADDRESS(FloatRef, limits);    /* the eye depth that ends each pixel's ray */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);

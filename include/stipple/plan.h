@@ -75,6 +75,7 @@ enum stp_feature {
     STP_FEATURE_FLOAT64 = 16,         /* shaderFloat64: centres are projected in double */
     STP_FEATURE_STORAGE_FORMATS = 32, /* shaderStorageImageExtendedFormats: raster paths */
     STP_FEATURE_SHARED_MEMORY = 64,   /* device memory that the host may write: nothing is staged */
+    STP_FEATURE_INDEPENDENT_BLEND = 128, /* independentBlend: transparency fast and nearest */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);
@@ -193,6 +194,11 @@ STP_API enum stp_result stp_plan_create(const struct stp_env *env, const struct 
 STP_API bool stp_plan_needs_groups(const struct stp_facts *facts,
                                    const struct stp_render_params *params,
                                    const struct stp_limits *limits);
+
+/* The same of stp_scene_cover. */
+STP_API bool stp_plan_needs_cover(const struct stp_facts *facts,
+                                  const struct stp_render_params *params,
+                                  const struct stp_limits *limits);
 
 struct stp_plan_summary {
     enum stp_method method;             /* never AUTO */

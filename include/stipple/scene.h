@@ -84,6 +84,13 @@ struct stp_load_params {
     float
         opacity; /* as in stp_object_params; in the place of what a scene .json says of an object */
     const struct stp_optics *optics; /* what it sets wins over a scene .json */
+    float radius;                    /* of points that bring none; 0: from local spacing */
+    /* A binary PLY of more points than this, with normals and radii and nothing that takes a look
+     * at other points, stays in its file: the scene takes a byte a point, and only method pyramid
+     * draws it. What cannot stay there is read whole, with a warning. 0: everything is. Not in a
+     * scene .json. */
+    size_t stream_above;
+    size_t stream_chunk;             /* points that are then held at once; 0: 8388608 */
     struct stp_volume_params volume; /* of a volume */
     struct stp_range_params range;   /* of range images */
 };

@@ -122,7 +122,8 @@ enum stp_composite {
 
 struct stp_host_frame_params {
     VkFormat color_format; /* RGBA16F, RGBA32F, RGBA8 or BGRA8 (UNORM or SRGB), B10G11R11 */
-    VkFormat depth_format; /* D32, D24S8, D32S8, D16; UNDEFINED: no depth, nothing is hidden */
+    VkFormat depth_format; /* D32, D24S8, D32S8, X8D24, D16; UNDEFINED: nothing is hidden. The image
+                              of a frame whose scene is transparent: usage TRANSFER_SRC too */
     bool depth_reversed;   /* nearer is larger */
     bool depth_read_only;  /* test against the host's depth, do not write it */
     enum stp_composite composite;
@@ -134,9 +135,11 @@ struct stp_host_frame_params {
      * is destroyed first. NULL: all pipelines are compiled now, none later. */
     const struct stp_frame *share;
 };
-/* What a frame's scratch memory needs; memoryTypeBits is 0 where no one type holds all of it. */
+/* What the scratch memory of a frame of that plan and those params needs; memoryTypeBits is 0 where
+ * no one type holds all of it. */
 STP_API enum stp_result stp_frame_scratch(const struct stp_env *env, struct stp_context *context,
                                           const struct stp_plan *plan,
+                                          const struct stp_host_frame_params *params,
                                           VkMemoryRequirements *requirements);
 
 /* plan: for the largest size that will be drawn; copied. Its outputs stay on the device. */

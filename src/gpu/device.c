@@ -150,6 +150,7 @@ static VkResult create_device(struct stp_context *context)
     f.core.features.shaderFloat64 = (optional & STP_FEATURE_FLOAT64) != 0;
     f.core.features.shaderStorageImageExtendedFormats =
         (optional & STP_FEATURE_STORAGE_FORMATS) != 0;
+    f.core.features.independentBlend = (optional & STP_FEATURE_INDEPENDENT_BLEND) != 0;
     f.v12.shaderBufferInt64Atomics = (optional & STP_FEATURE_INT64_ATOMICS) != 0;
     f.v12.shaderOutputLayer = (optional & STP_FEATURE_VERTEX_LAYER) != 0;
     float priority = 1;

@@ -21,6 +21,7 @@ static const struct stp_vulkan_feature list[] = {
     { "maintenance4", true, NULL },
     { "shaderBufferInt64Atomics", false, "exact sums in 32-bit atomics; deferred by rasteriser" },
     { "shaderOutputLayer", false, "the deferred rasteriser takes a pass a group" },
+    { "independentBlend", false, "transparency fast and nearest are refused" },
     { "shaderFloat64", false, "centres are projected in float" },
     { "shaderStorageImageExtendedFormats", false, "compute paths only" },
 };
@@ -38,6 +39,7 @@ static const struct {
     { V13(maintenance4), 0 },
     { V12(shaderBufferInt64Atomics), STP_FEATURE_INT64_ATOMICS },
     { V12(shaderOutputLayer), STP_FEATURE_VERTEX_LAYER },
+    { CORE(independentBlend), STP_FEATURE_INDEPENDENT_BLEND },
     { CORE(shaderFloat64), STP_FEATURE_FLOAT64 },
     { CORE(shaderStorageImageExtendedFormats), STP_FEATURE_STORAGE_FORMATS },
 };

@@ -81,6 +81,7 @@
     X(vkCmdFillBuffer)                                                                             \
     X(vkCmdUpdateBuffer)                                                                           \
     X(vkCmdCopyBuffer)                                                                             \
+    X(vkCmdCopyImageToBuffer)                                                                      \
     X(vkCmdBindPipeline)                                                                           \
     X(vkCmdBindDescriptorSets)                                                                     \
     X(vkCmdPushConstants)                                                                          \

@@ -25,5 +25,7 @@ struct cloud {
 };
 
 void cloud_release(struct cloud *cloud);
+/* One radius for all, where the file has none; 0: nothing is done. */
+enum stp_result cloud_give_radius(const struct stp_env *env, float radius, struct cloud *cloud);
 
 #endif

@@ -21,7 +21,7 @@ struct ply_file {
     size_t offset;                    /* of the first vertex */
 };
 
-static const struct ply_element *find_element(const struct ply_header *header, const char *name)
+const struct ply_element *ply_find_element(const struct ply_header *header, const char *name)
 {
     for (unsigned i = 0; i < header->element_count; i++)
         if (slice_is(header->element[i].name, name))
@@ -40,7 +40,7 @@ static bool has_property(const struct ply_header *header, const struct ply_eleme
 
 /* Trained Gaussians, plain or packed: their opacity and scale are logits and logarithms of volumes,
  * and drawing them as points would show something else. */
-static bool is_gaussian(const struct ply_header *header, const struct ply_element *vertex)
+bool ply_is_gaussian(const struct ply_header *header, const struct ply_element *vertex)
 {
     bool packed = has_property(header, vertex, "packed_rotation") &&
                   has_property(header, vertex, "packed_scale");
@@ -58,12 +58,13 @@ static enum scale scale_of(const struct ply_header *header, enum ply_type type)
     return type >= PLY_FLOAT32 ? SCALE_FLOAT : SCALE_INTEGER;
 }
 
-static void fill_columns(const struct ply_file *file, struct table *table)
+void ply_fill_columns(const struct ply_header *header, const struct ply_element *vertex,
+                      struct table *table)
 {
     for (unsigned i = 0; i < table->count; i++) {
-        const struct ply_property *property = &file->header.property[file->vertex->first + i];
+        const struct ply_property *property = &header->property[vertex->first + i];
         table->column[i] = (struct column){ .name = property->name,
-                                            .scale = scale_of(&file->header, property->type),
+                                            .scale = scale_of(header, property->type),
                                             .list = property->length != PLY_NONE };
     }
 }
@@ -168,7 +169,7 @@ static enum stp_result read_vertices(const struct ply_file *file,
                                      const struct load_options *options, struct table *table,
                                      struct cloud *cloud)
 {
-    fill_columns(file, table);
+    ply_fill_columns(&file->header, file->vertex, table);
     table_name_roles(table);
     if (!table_has(table, ROLE_X) || !table_has(table, ROLE_Y))
         return log_error(file->env, STP_ERROR_FORMAT,
@@ -193,10 +194,10 @@ static enum stp_result read_vertices(const struct ply_file *file,
 static enum stp_result read_points(struct ply_file *file, const struct load_options *options,
                                    struct cloud *cloud)
 {
-    file->vertex = find_element(&file->header, "vertex");
+    file->vertex = ply_find_element(&file->header, "vertex");
     if (!file->vertex || file->vertex->count == 0)
         return STP_OK;
-    if (is_gaussian(&file->header, file->vertex))
+    if (ply_is_gaussian(&file->header, file->vertex))
         return log_error(file->env, STP_ERROR_FORMAT,
                          "%s: a 3D Gaussian splatting PLY (f_dc_*, scale_*, rot_*, opacity): "
                          "trained Gaussians are not surface points; use a renderer made for them, "

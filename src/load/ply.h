@@ -50,6 +50,12 @@ enum stp_result ply_header_read(const struct stp_env *env, const char *path,
                                 const struct file_bytes *bytes, struct ply_header *header);
 void ply_header_release(struct ply_header *header);
 
+/* ply.c: what a vertex's properties are, into table->column; the element, or NULL. */
+const struct ply_element *ply_find_element(const struct ply_header *header, const char *name);
+bool ply_is_gaussian(const struct ply_header *header, const struct ply_element *vertex);
+void ply_fill_columns(const struct ply_header *header, const struct ply_element *vertex,
+                      struct table *table);
+
 /* Bytes of a scalar; 0 for PLY_NONE. */
 size_t ply_type_size(enum ply_type type);
 

@@ -21,13 +21,14 @@ static const struct {
 
 static const struct {
     VkFormat format;
-    VkImageAspectFlags aspects;
+    enum plan_host_depth copied; /* as the specification packs the depth aspect into a buffer */
+    bool stencil;
 } depths[] = {
-    { VK_FORMAT_D32_SFLOAT, VK_IMAGE_ASPECT_DEPTH_BIT },
-    { VK_FORMAT_D16_UNORM, VK_IMAGE_ASPECT_DEPTH_BIT },
-    { VK_FORMAT_X8_D24_UNORM_PACK32, VK_IMAGE_ASPECT_DEPTH_BIT },
-    { VK_FORMAT_D24_UNORM_S8_UINT, VK_IMAGE_ASPECT_DEPTH_BIT | VK_IMAGE_ASPECT_STENCIL_BIT },
-    { VK_FORMAT_D32_SFLOAT_S8_UINT, VK_IMAGE_ASPECT_DEPTH_BIT | VK_IMAGE_ASPECT_STENCIL_BIT },
+    { VK_FORMAT_D32_SFLOAT, PLAN_HOST_DEPTH_FLOAT, false },
+    { VK_FORMAT_D16_UNORM, PLAN_HOST_DEPTH_16, false },
+    { VK_FORMAT_X8_D24_UNORM_PACK32, PLAN_HOST_DEPTH_24, false },
+    { VK_FORMAT_D24_UNORM_S8_UINT, PLAN_HOST_DEPTH_24, true },
+    { VK_FORMAT_D32_SFLOAT_S8_UINT, PLAN_HOST_DEPTH_FLOAT, true },
 };
 
 float pass_host_most(VkFormat format)
@@ -42,8 +43,17 @@ VkImageAspectFlags pass_host_aspects(VkFormat format)
 {
     for (unsigned i = 0; i < sizeof depths / sizeof *depths; i++)
         if (depths[i].format == format)
-            return depths[i].aspects;
+            return VK_IMAGE_ASPECT_DEPTH_BIT |
+                   (depths[i].stencil ? VK_IMAGE_ASPECT_STENCIL_BIT : 0);
     return 0;
+}
+
+enum plan_host_depth pass_host_depth(VkFormat format)
+{
+    for (unsigned i = 0; i < sizeof depths / sizeof *depths; i++)
+        if (depths[i].format == format)
+            return depths[i].copied;
+    return PLAN_HOST_DEPTH_NONE;
 }
 
 enum stp_result pass_host_pipeline(const struct stp_env *env, struct stp_context *context,
@@ -51,6 +61,7 @@ enum stp_result pass_host_pipeline(const struct stp_env *env, struct stp_context
                                    VkPipelineLayout layout, VkPipeline *pipeline)
 {
     bool depth = host->depth_format != VK_FORMAT_UNDEFINED;
+    bool tested = !host->replace && !plan->constant[PLAN_HOST_DEPTH];
     struct pass_graphics graphics = {
         .vertex = PLAN_SHADER_HOST_VERTEX,
         .fragment = depth ? PLAN_SHADER_HOST_FRAGMENT_DEPTH : PLAN_SHADER_HOST_FRAGMENT,
@@ -59,7 +70,7 @@ enum stp_result pass_host_pipeline(const struct stp_env *env, struct stp_context
         .depth = host->depth_format,
         .blend = host->replace ? PASS_BLEND_NONE : PASS_BLEND_OVER,
         .depth_write = depth && !host->depth_read_only,
-        .compare = host->replace          ? VK_COMPARE_OP_ALWAYS
+        .compare = !tested                ? VK_COMPARE_OP_ALWAYS
                    : host->depth_reversed ? VK_COMPARE_OP_GREATER
                                           : VK_COMPARE_OP_LESS,
     };
@@ -93,17 +104,89 @@ static int32_t least(int32_t a, int32_t b)
     return a < b ? a : b;
 }
 
-/* The part of a tile that is kept, in the host's image; false when nothing of it is inside. */
-static bool visible(const struct plan_tile *tile, const struct stp_targets *targets, VkRect2D *area)
+/* A part of the picture in the host's image; empty where nothing of it is inside. */
+static VkRect2D inside(uint32_t left, uint32_t top, uint32_t right, uint32_t bottom,
+                       const struct stp_targets *targets)
 {
-    int32_t left = most(targets->x + (int32_t)tile->keep[0], 0);
-    int32_t top = most(targets->y + (int32_t)tile->keep[1], 0);
-    int32_t right = least(targets->x + (int32_t)tile->keep[2], (int32_t)targets->width);
-    int32_t bottom = least(targets->y + (int32_t)tile->keep[3], (int32_t)targets->height);
-    if (left >= right || top >= bottom)
-        return false;
-    *area = (VkRect2D){ { left, top }, { (uint32_t)(right - left), (uint32_t)(bottom - top) } };
-    return true;
+    int32_t x = most(targets->x + (int32_t)left, 0), y = most(targets->y + (int32_t)top, 0);
+    int32_t end_x = least(targets->x + (int32_t)right, (int32_t)targets->width);
+    int32_t end_y = least(targets->y + (int32_t)bottom, (int32_t)targets->height);
+    if (x >= end_x || y >= end_y)
+        return (VkRect2D){ 0 };
+    return (VkRect2D){ { x, y }, { (uint32_t)(end_x - x), (uint32_t)(end_y - y) } };
+}
+
+static VkRect2D tile_inside(const struct plan_tile *tile, const struct stp_targets *targets)
+{
+    return inside(tile->x, tile->y, tile->x + tile->width, tile->y + tile->height, targets);
+}
+
+void pass_push_host(struct stp_context *context, VkCommandBuffer commands,
+                    const struct stp_plan *plan, const struct plan_tile *tile,
+                    const struct pass_resources *resources)
+{
+    const struct stp_targets *targets = resources->targets;
+    VkRect2D area = tile_inside(tile, targets);
+    struct pass_host_push push = { .corner = { targets->x, targets->y },
+                                   .low = { area.offset.x, area.offset.y },
+                                   .high = { area.offset.x + (int32_t)area.extent.width,
+                                             area.offset.y + (int32_t)area.extent.height },
+                                   .most = pass_host_most(resources->host->color_format),
+                                   .replace = resources->host->replace };
+    depth_convention(plan, resources->host, targets->depth_near, targets->depth_far, &push);
+    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, PASS_PUSH_HOST,
+                                   sizeof push, &push);
+}
+
+/* Between attachment and copy source; what the copy reads is what was rendered before it. */
+static void change_depth(struct stp_context *context, VkCommandBuffer commands,
+                         const struct pass_resources *resources, bool to_copy)
+{
+    const struct stp_host_image *depth = &resources->targets->depth;
+    const VkImageLayout own = VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL;
+    const VkImageLayout copied = VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL;
+    const VkPipelineStageFlags2 tests =
+        VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT;
+    const VkAccessFlags2 tested = VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
+                                  VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT;
+    const VkPipelineStageFlags2 copy = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+    VkImageMemoryBarrier2 barrier = {
+        .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
+        .srcStageMask = to_copy ? tests : copy,
+        .srcAccessMask = to_copy ? tested : 0,
+        .dstStageMask = to_copy ? copy : tests,
+        .dstAccessMask = to_copy ? VK_ACCESS_2_TRANSFER_READ_BIT : tested,
+        .oldLayout = to_copy ? own : copied,
+        .newLayout = to_copy ? copied : own,
+        .srcQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED,
+        .image = depth->image,
+        .subresourceRange = { pass_host_aspects(resources->host->depth_format), depth->level, 1,
+                              depth->layer, 1 }
+    };
+    VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
+                              .imageMemoryBarrierCount = 1,
+                              .pImageMemoryBarriers = &barrier };
+    context->vk.vkCmdPipelineBarrier2(commands, &info);
+}
+
+void pass_record_copy_depth(struct stp_context *context, VkCommandBuffer commands,
+                            const struct stp_plan *plan, const struct plan_pass *pass,
+                            const struct plan_tile *tile, const struct pass_resources *resources)
+{
+    const struct stp_host_image *depth = &resources->targets->depth;
+    const struct gpu_buffer *words = &resources->buffer[plan_find(plan, PLAN_HOST_WORDS)];
+    VkRect2D area = tile_inside(tile, resources->targets);
+    if (area.extent.width == 0)
+        return;
+    VkBufferImageCopy part = { .imageSubresource = { VK_IMAGE_ASPECT_DEPTH_BIT, depth->level,
+                                                     depth->layer, 1 },
+                               .imageOffset = { area.offset.x, area.offset.y, 0 },
+                               .imageExtent = { area.extent.width, area.extent.height, 1 } };
+    change_depth(context, commands, resources, true);
+    context->vk.vkCmdCopyImageToBuffer(commands, depth->image, VK_IMAGE_LAYOUT_TRANSFER_SRC_OPTIMAL,
+                                       words->handle, 1, &part);
+    change_depth(context, commands, resources, false);
 }
 
 static VkRenderingAttachmentInfo attachment(const struct stp_host_image *image,
@@ -117,22 +200,18 @@ static VkRenderingAttachmentInfo attachment(const struct stp_host_image *image,
 }
 
 void pass_record_host(struct stp_context *context, VkCommandBuffer commands,
-                      const struct stp_plan *plan, const struct plan_tile *tile,
-                      const struct pass_host *host, const struct stp_targets *targets,
-                      VkPipelineLayout layout, VkPipeline pipeline)
+                      const struct plan_tile *tile, const struct pass_resources *resources,
+                      VkPipeline pipeline)
 {
-    VkRect2D area;
-    if (!visible(tile, targets, &area))
+    const struct stp_targets *targets = resources->targets;
+    VkRect2D area = inside(tile->keep[0], tile->keep[1], tile->keep[2], tile->keep[3], targets);
+    if (area.extent.width == 0)
         return;
-    struct pass_host_push push = { .corner = { targets->x, targets->y },
-                                   .most = pass_host_most(host->color_format),
-                                   .replace = host->replace };
-    depth_convention(plan, host, targets->depth_near, targets->depth_far, &push);
     VkRenderingAttachmentInfo color =
         attachment(&targets->color, VK_IMAGE_LAYOUT_COLOR_ATTACHMENT_OPTIMAL);
     VkRenderingAttachmentInfo depth =
         attachment(&targets->depth, VK_IMAGE_LAYOUT_DEPTH_STENCIL_ATTACHMENT_OPTIMAL);
-    bool has_depth = host->depth_format != VK_FORMAT_UNDEFINED;
+    bool has_depth = resources->host->depth_format != VK_FORMAT_UNDEFINED;
     VkRenderingInfo rendering = { .sType = VK_STRUCTURE_TYPE_RENDERING_INFO,
                                   .renderArea = area,
                                   .layerCount = 1,
@@ -149,8 +228,6 @@ void pass_record_host(struct stp_context *context, VkCommandBuffer commands,
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
     context->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
     context->vk.vkCmdSetScissor(commands, 0, 1, &area);
-    context->vk.vkCmdPushConstants(commands, layout, PASS_PUSH_STAGES, PASS_PUSH_HOST, sizeof push,
-                                   &push);
     context->vk.vkCmdDraw(commands, 3, 1, 0, 0);
     context->vk.vkCmdEndRendering(commands);
 }

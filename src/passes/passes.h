@@ -14,18 +14,22 @@ struct pass_resources {
     struct gpu_buffer constants;             /* the frame block */
     struct pass_points {
         uint32_t first, count;
-    } points;                /* pyramid: those in the buffers */
-    VkPipelineLayout layout; /* not owned */
+    } points;                     /* pyramid: those in the buffers */
+    VkPipelineLayout layout;      /* not owned */
+    const struct pass_host *host; /* of a host's frame, while it is recorded */
+    const struct stp_targets *targets;
     VkDescriptorPool pool;
     VkDescriptorSet set;
 };
 
 /* Push constants: the first splat of a draw, or of those on the device, or the level of a pyramid;
- * the sample's index; a count of points; then, of a host's frame, struct pass_host_push. */
+ * the sample's index; a count of points; what a draw's radii are multiplied by and its slabs
+ * shifted by; then, of a host's frame, struct pass_host_push. */
 #define PASS_PUSH_FIRST  0
 #define PASS_PUSH_SAMPLE 4
 #define PASS_PUSH_COUNT  8
-#define PASS_PUSH_HOST   16
+#define PASS_PUSH_DRAW   12
+#define PASS_PUSH_HOST   24
 #define PASS_PUSH_STAGES                                                                           \
     (VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT)
 
@@ -104,20 +108,28 @@ struct pass_host {
     VkFormat color_format, depth_format;
     bool depth_reversed, depth_read_only, replace;
 };
-/* glsl/passes/host.frag */
+/* glsl/lib/host.glsl; low and high: the part of the host's image that a tile covers */
 struct pass_host_push {
-    int32_t corner[2];
+    int32_t corner[2], low[2], high[2];
     float depth_add, depth_scale, depth_none, most;
     uint32_t replace;
 };
 float pass_host_most(VkFormat color);                 /* largest finite value; 0: not supported */
 VkImageAspectFlags pass_host_aspects(VkFormat depth); /* 0: not supported */
+enum plan_host_depth pass_host_depth(VkFormat depth); /* what its depth aspect is copied as */
 enum stp_result pass_host_pipeline(const struct stp_env *env, struct stp_context *context,
                                    const struct stp_plan *plan, const struct pass_host *host,
                                    VkPipelineLayout layout, VkPipeline *pipeline);
+/* Before a tile's passes: what they, and pass_record_host, push of resources->host and targets. */
+void pass_push_host(struct stp_context *context, VkCommandBuffer commands,
+                    const struct stp_plan *plan, const struct plan_tile *tile,
+                    const struct pass_resources *resources);
+/* COPY_DEPTH: the tile's part of the host's depth, which is an attachment before and after. */
+void pass_record_copy_depth(struct stp_context *context, VkCommandBuffer commands,
+                            const struct stp_plan *plan, const struct plan_pass *pass,
+                            const struct plan_tile *tile, const struct pass_resources *resources);
 void pass_record_host(struct stp_context *context, VkCommandBuffer commands,
-                      const struct stp_plan *plan, const struct plan_tile *tile,
-                      const struct pass_host *host, const struct stp_targets *targets,
-                      VkPipelineLayout layout, VkPipeline pipeline);
+                      const struct plan_tile *tile, const struct pass_resources *resources,
+                      VkPipeline pipeline);
 
 #endif

@@ -83,6 +83,11 @@ static const VkPipelineDynamicStateCreateInfo set_late = {
     .pDynamicStates = moving
 };
 
+static bool is_integer(VkFormat format)
+{
+    return format == VK_FORMAT_R32G32_UINT || format == VK_FORMAT_R32G32B32A32_UINT;
+}
+
 static VkResult create_pipeline(struct stp_context *context, const struct pass_graphics *graphics,
                                 const VkPipelineShaderStageCreateInfo *stages,
                                 VkPipelineLayout layout, VkPipeline *pipeline)
@@ -105,7 +110,7 @@ static VkResult create_pipeline(struct stp_context *context, const struct pass_g
     VkPipelineColorBlendAttachmentState attachments[PASS_MOST_COLORS];
     for (int i = 0; i < PASS_MOST_COLORS; i++)
         attachments[i] = (VkPipelineColorBlendAttachmentState){
-            .blendEnable = graphics->blend != PASS_BLEND_NONE,
+            .blendEnable = graphics->blend != PASS_BLEND_NONE && !is_integer(graphics->color[i]),
             .srcColorBlendFactor = VK_BLEND_FACTOR_ONE,
             .dstColorBlendFactor = under,
             .srcAlphaBlendFactor = VK_BLEND_FACTOR_ONE,
@@ -176,7 +181,7 @@ enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_conte
         .color_count = targets.color_count,
         .depth = targets.depth == PLAN_NONE ? VK_FORMAT_UNDEFINED : VK_FORMAT_D32_SFLOAT,
         .blend = blends[pass->raster],
-        .depth_write = pass->raster == PLAN_RASTER_WINNER,
+        .depth_write = pass->raster != PLAN_RASTER_BLEND,
         .compare = VK_COMPARE_OP_GREATER,
     };
     for (uint32_t i = 0; i < targets.color_count; i++)
@@ -207,6 +212,16 @@ static VkRenderingAttachmentInfo attachment(const struct stp_plan *plan,
                                         .clearValue = clear };
 }
 
+static void push_draw(struct stp_context *context, VkCommandBuffer commands,
+                      const struct plan_pass *pass, const struct pass_resources *resources)
+{
+    const float draw[] = { pass->scale > 0 ? pass->scale : 1, pass->shift };
+    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, PASS_PUSH_FIRST,
+                                   sizeof pass->first_splat, &pass->first_splat);
+    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, PASS_PUSH_DRAW,
+                                   sizeof draw, draw);
+}
+
 void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                         const struct stp_plan *plan, const struct plan_pass *pass,
                         const struct plan_tile *tile, const struct pass_resources *resources,
@@ -230,8 +245,7 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                             .maxDepth = 1 };
     context->vk.vkCmdBeginRendering(commands, &rendering);
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);
-    context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, 0,
-                                   sizeof pass->first_splat, &pass->first_splat);
+    push_draw(context, commands, pass, resources);
     context->vk.vkCmdSetViewport(commands, 0, 1, &viewport);
     context->vk.vkCmdSetScissor(commands, 0, 1, &area);
     if (pass->splat_count)

@@ -65,6 +65,9 @@ void pass_record(struct stp_context *context, VkCommandBuffer commands, const st
     case PLAN_DRAW:
         pass_record_raster(context, commands, plan, pass, tile, resources, pipeline);
         break;
+    case PLAN_COPY_DEPTH:
+        pass_record_copy_depth(context, commands, plan, pass, tile, resources);
+        break;
     case PLAN_EXCHANGE: /* the host's work: record/exchange.c */
         break;
     }

@@ -171,7 +171,9 @@ enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
                            const struct stp_render_params *params, const struct stp_limits *limits,
                            struct stp_choice *choice)
 {
-    enum stp_result result = plan_check(env, scene, camera, params);
+    enum stp_result result = scene_check_whole(env, scene, "choosing a method");
+    if (result == STP_OK)
+        result = plan_check(env, scene, camera, params);
     if (result != STP_OK)
         return result;
     if (!(params->max_error >= 0) || params->method == STP_METHOD_REFERENCE)

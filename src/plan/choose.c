@@ -9,39 +9,6 @@
 #define MOST_SHARED      0x7f000000u /* keys hold 31 bits of id */
 #define MOST_SLABS       262142      /* keys with ids hold 18 bits of slab */
 
-/* The method whose passes composite these layers. */
-static enum stp_method method_of(enum stp_transparency transparency)
-{
-    static const enum stp_method methods[] = { STP_METHOD_AUTO,     STP_METHOD_DEFERRED,
-                                               STP_METHOD_DEFERRED, STP_METHOD_TWO_PASS,
-                                               STP_METHOD_EXACT,    STP_METHOD_REFERENCE };
-    return methods[transparency];
-}
-
-/* AUTO where nothing is transparent. */
-static enum stp_transparency resolve_transparency(const struct stp_facts *facts,
-                                                  const struct stp_render_params *params,
-                                                  const struct stp_limits *limits)
-{
-    if (!facts->transparent)
-        return STP_TRANSPARENCY_AUTO;
-    if (params->transparency != STP_TRANSPARENCY_AUTO)
-        return params->transparency;
-    switch (params->method) {
-    case STP_METHOD_DEFERRED:
-        return STP_TRANSPARENCY_FAST;
-    case STP_METHOD_TWO_PASS:
-        return STP_TRANSPARENCY_PEEL;
-    case STP_METHOD_REFERENCE:
-        return STP_TRANSPARENCY_REFERENCE;
-    case STP_METHOD_EXACT:
-        return STP_TRANSPARENCY_EXACT;
-    default:
-        return limits->features & STP_FEATURE_INT64_ATOMICS ? STP_TRANSPARENCY_EXACT
-                                                            : STP_TRANSPARENCY_REFERENCE;
-    }
-}
-
 /* A volume, or ellipsoids of range images: kernels that need an order. */
 static bool facts_are_of_medium(const struct stp_facts *facts)
 {
@@ -52,45 +19,18 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
                                       const struct stp_render_params *params,
                                       const struct stp_limits *limits)
 {
-    enum stp_transparency transparency = resolve_transparency(facts, params, limits);
+    enum stp_transparency transparency = plan_resolve_transparency(facts, params, limits);
     if (transparency != STP_TRANSPARENCY_AUTO)
-        return method_of(transparency);
+        return plan_transparency_method(transparency);
     if (params->method != STP_METHOD_AUTO)
         return params->method;
     return facts_are_of_medium(facts) ? STP_METHOD_AXIS : STP_METHOD_EXACT;
 }
 
-static enum stp_result choose_transparency(const struct stp_env *env, struct stp_plan *plan)
-{
-    const struct stp_render_params *p = &plan->params;
-    plan->transparency = resolve_transparency(&plan->facts, p, &plan->limits);
-    plan->method = resolve_method(&plan->facts, p, &plan->limits);
-    if (plan->transparency == STP_TRANSPARENCY_AUTO)
-        return STP_OK;
-    const char *name = stp_transparency_name(plan->transparency);
-    if (p->method != STP_METHOD_AUTO && p->method != plan->method)
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "method %s does not draw transparency %s, method %s does: ask for one of "
-                         "the two only",
-                         stp_method_name(p->method), name, stp_method_name(plan->method));
-    if (plan->transparency != STP_TRANSPARENCY_REFERENCE &&
-        plan->transparency != STP_TRANSPARENCY_EXACT)
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "the scene is transparent, and this version has no transparency %s: ask "
-                         "for exact or reference",
-                         name);
-    if (plan->transparency == STP_TRANSPARENCY_EXACT &&
-        !(plan->limits.features & STP_FEATURE_INT64_ATOMICS))
-        return log_error(env, STP_ERROR_FEATURE,
-                         "transparency exact needs shaderBufferInt64Atomics, which the device "
-                         "lacks; leave the choice to auto");
-    return STP_OK;
-}
-
 bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
                            const struct stp_limits *limits)
 {
-    return !facts_are_of_medium(facts) &&
+    return !facts_are_of_medium(facts) && !facts->transparent &&
            resolve_method(facts, params, limits) == STP_METHOD_DEFERRED;
 }
 
@@ -135,7 +75,10 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
                          "compute",
                          samples);
     if (path == STP_PATH_AUTO) {
-        bool raster = plan->method == STP_METHOD_DEFERRED && !atomics && formats && samples == 1;
+        bool layers = plan->transparency != STP_TRANSPARENCY_AUTO &&
+                      plan->transparency != STP_TRANSPARENCY_EXACT;
+        bool raster =
+            layers || (plan->method == STP_METHOD_DEFERRED && !atomics && formats && samples == 1);
         path = raster ? STP_PATH_RASTER : STP_PATH_COMPUTE;
     }
     if (path == STP_PATH_RASTER && plan->method == STP_METHOD_EXACT)
@@ -154,10 +97,11 @@ static enum stp_result choose_path(const struct stp_env *env, struct stp_plan *p
                          "device lacks; use %s--method exact",
                          samples > 1 ? ", which several samples take," : "",
                          samples > 1 || !formats ? "" : "--path raster or ");
-    if (path == STP_PATH_RASTER && plan->method == STP_METHOD_TWO_PASS &&
+    if (path == STP_PATH_RASTER &&
+        (plan->method == STP_METHOD_TWO_PASS || plan->transparency != STP_TRANSPARENCY_AUTO) &&
         !(features & STP_FEATURE_FLOAT32_BLEND))
         return log_error(env, STP_ERROR_FEATURE,
-                         "two-pass --path raster needs blending into float32 images, which the "
+                         "--path raster needs blending into float32 images, which the "
                          "device lacks; use --path compute");
     plan->path = path;
     return STP_OK;
@@ -191,9 +135,10 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
     bool wants_ids = plan->facts.has_color || plan->constant[PLAN_OPACITY] == 2 ||
                      plan->facts.objects > 1 || (plan->params.aovs & STP_AOV_ID) != 0;
     bool fits = plan->frame.depth_bits >= LEAST_DEPTH_BITS;
-    bool packable =
-        fits && plan->voronoi != STP_VORONOI_EXACT &&
-        (plan->method == STP_METHOD_EXACT || (plan->method == STP_METHOD_DEFERRED && !wants_ids));
+    bool opaque = plan->transparency == STP_TRANSPARENCY_AUTO;
+    bool packable = fits && plan->voronoi != STP_VORONOI_EXACT &&
+                    (plan->method == STP_METHOD_EXACT ||
+                     (plan->method == STP_METHOD_DEFERRED && opaque && !wants_ids));
     bool packed = packable && plan->params.payload != STP_PAYLOAD_ID;
     plan->payload = packed ? STP_PAYLOAD_PACKED : STP_PAYLOAD_ID;
     if (!packed && plan->voronoi == STP_VORONOI_SLAB && range_over_epsilon > MOST_SLABS)
@@ -204,6 +149,10 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
 
 static void explain(struct stp_plan *plan)
 {
+    if (plan_covers(plan) || plan->transparency == STP_TRANSPARENCY_PEEL) {
+        plan_explain_layers(plan);
+        return;
+    }
     const char *method = stp_method_name(plan->method);
     const struct stp_prediction *p = &plan->params.prediction;
     char predicted[128];
@@ -301,9 +250,10 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
 {
     enum stp_result result = choose_share(env, plan);
     if (result == STP_OK)
-        result = choose_transparency(env, plan);
+        result = plan_choose_transparency(env, plan);
     if (result != STP_OK)
         return result;
+    plan->method = resolve_method(&plan->facts, &plan->params, &plan->limits);
     if (plan->method == STP_METHOD_REFERENCE) {
         explain(plan);
         return STP_OK;
@@ -317,7 +267,8 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
                                "--range-splats discs"
                              : "method %s draws surfaces; a volume takes axis or reference",
                          stp_method_name(plan->method));
-    if (plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
+    bool cover = plan_covers(plan);
+    if (!cover && plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the deferred method needs stp_scene_group before its plan");
     result = choose_path(env, plan);
@@ -327,17 +278,19 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         return result;
     choose_payload(plan, (double)16777216.0 * ldexp(1, -(int)plan->frame.depth_bits));
     uint32_t *c = plan->constant;
-    c[PLAN_GROUPS] = plan->method == STP_METHOD_DEFERRED ? plan->facts.grouping.groups : 1;
+    c[PLAN_GROUPS] = cover                                 ? plan->facts.cover.groups
+                     : plan->method == STP_METHOD_DEFERRED ? plan->facts.grouping.groups
+                                                           : 1;
     c[PLAN_VORONOI] = plan->voronoi == STP_VORONOI_SLAB    ? 1
                       : plan->voronoi == STP_VORONOI_EXACT ? 2
                                                            : 0;
     c[PLAN_ATOMIC64] = (plan->limits.features & STP_FEATURE_INT64_ATOMICS) != 0;
     c[PLAN_FLOAT64] = (plan->limits.features & STP_FEATURE_FLOAT64) != 0;
     /* Measured: on a CPU device a pass a layer beats one layered pass (docs/results/speed.md). */
-    c[PLAN_LAYERED] = plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED &&
-                      (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 &&
-                      plan->limits.processor == 2 &&
-                      plan->facts.grouping.groups <= plan->limits.max_image_layers;
+    c[PLAN_LAYERED] =
+        !cover && plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED &&
+        (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 && plan->limits.processor == 2 &&
+        plan->facts.grouping.groups <= plan->limits.max_image_layers;
     if (plan->method == STP_METHOD_PYRAMID)
         plan_pyramid_view(plan);
     explain(plan);

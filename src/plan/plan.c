@@ -12,7 +12,7 @@
 enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *scene,
                            const struct stp_camera *camera, const struct stp_render_params *params)
 {
-    if (!scene->prepared || (scene->splats.count == 0 && !scene->volume))
+    if (!scene->prepared || (scene->splats.count == 0 && !scene->volume && !scene->stream))
         return log_error(env, STP_ERROR_ARGUMENT, "a plan needs a prepared scene with splats");
     if (camera->width == 0 || camera->height == 0 || camera->width > 65536 ||
         camera->height > 65536)
@@ -31,9 +31,13 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
     if (params->environment_behind && !scene->facts.environment_levels)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the background is to be the environment, and the scene has none");
-    if (scene->splats.count > MOST_SPLATS)
-        return log_error(env, STP_ERROR_ARGUMENT, "%zu splats: at most %u", scene->splats.count,
-                         MOST_SPLATS);
+    size_t splats = scene->stream ? scene->facts.splats : scene->splats.count;
+    if (splats > MOST_SPLATS)
+        return log_error(env, STP_ERROR_ARGUMENT, "%zu splats: at most %u", splats, MOST_SPLATS);
+    if (params->method != STP_METHOD_PYRAMID)
+        return scene_check_whole(env, scene, "this method");
+    if (params->aovs & STP_AOV_ID)
+        return scene_check_whole(env, scene, "the aov id");
     return STP_OK;
 }
 
@@ -45,6 +49,20 @@ static void group_ranges(struct stp_plan *plan, const struct stp_scene *scene)
         counts[scene->splats.group[i]]++;
     for (unsigned k = 0; k < STP_MAX_GROUPS; k++)
         plan->group_first[k + 1] = plan->group_first[k] + counts[k];
+}
+
+/* The extended groups, and the groups that they were extended from. */
+static void cover_ranges(struct stp_plan *plan, const struct stp_scene *scene)
+{
+    const struct cover_groups *cover = &scene->cover;
+    uint32_t counts[STP_MAX_GROUPS] = { 0 };
+    for (size_t i = 0; i < scene->splats.count; i++)
+        if (cover->home[i] < cover->groups)
+            counts[cover->home[i]]++;
+    for (unsigned k = 0; k < cover->groups; k++) {
+        plan->group_first[k + 1] = plan->group_first[k] + counts[k];
+        plan->cover_first[k + 1] = cover->first[k + 1];
+    }
 }
 
 static enum stp_result fill(const struct stp_env *env, struct stp_plan *plan,
@@ -59,7 +77,9 @@ static enum stp_result fill(const struct stp_env *env, struct stp_plan *plan,
     if (result != STP_OK)
         return result;
     plan->frame.axis.splats = (uint32_t)plan->axis.count;
-    if (plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED)
+    if (plan_covers(plan))
+        cover_ranges(plan, scene);
+    else if (plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED)
         group_ranges(plan, scene);
     return plan_tiles(env, plan);
 }
@@ -75,6 +95,10 @@ static struct stp_plan *start(const struct stp_scene *scene, const struct stp_ca
     made->camera = *camera;
     made->facts = scene->facts;
     made->share = (struct plan_share){ scene->share.rank, scene->share.count, scene->splats.count };
+    if (scene->stream) {
+        made->stream_count = scene->stream->chunk_count;
+        memcpy(made->stream, scene->stream->chunk, sizeof made->stream);
+    }
     made->limits = *limits;
     made->limits.features &= ~params->mask_features;
     if (params->background) {

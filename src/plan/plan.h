@@ -6,6 +6,7 @@
 #include <stipple/plan.h>
 
 #include "prepare/axis_blocks.h"
+#include "scene/stream.h"
 #include "shared/frame.h"
 
 #define PLAN_MAX_RESOURCES 32
@@ -47,6 +48,7 @@ enum plan_constant {
     PLAN_OPACITY, /* 0: all is opaque; 1: one for all; 2: each splat's own */
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
+    PLAN_HOST_DEPTH, /* enum plan_host_depth */
     PLAN_ELLIPSOIDS, /* axis: every kernel has its own shape, and together they are a surface */
     PLAN_CONSTANTS
 };
@@ -55,6 +57,14 @@ enum plan_constant {
 #define PLAN_AOVS_ALBEDO 1u
 #define PLAN_AOVS_ID     2u
 #define PLAN_AOVS_LAYERS 4u
+
+/* What the depth of a host's image is copied as, where it cuts layers. */
+enum plan_host_depth {
+    PLAN_HOST_DEPTH_NONE,
+    PLAN_HOST_DEPTH_FLOAT,
+    PLAN_HOST_DEPTH_24, /* in the low bits of a word */
+    PLAN_HOST_DEPTH_16,
+};
 
 /* What a buffer or image is for: a resource's address goes into the frame block by this. */
 enum plan_slot {
@@ -76,6 +86,8 @@ enum plan_slot {
     PLAN_SUMS,
     PLAN_PROJECTED,
     PLAN_AXIS_SUMS,
+    PLAN_HOST_WORDS,
+    PLAN_LIMITS,
     PLAN_OUT_COLOR,
     PLAN_OUT_NORMAL,
     PLAN_OUT_DEPTH,
@@ -210,6 +222,17 @@ enum plan_shader {
     PLAN_SHADER_DEFERRED_FRAGMENT_PACKED,
     PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT,
     PLAN_SHADER_TWOPASS_SUM_FRAGMENT,
+    PLAN_SHADER_PEEL_DEPTH_FRAGMENT,
+    PLAN_SHADER_PEEL_SUM_FRAGMENT,
+    PLAN_SHADER_PEEL_RESOLVE,
+    PLAN_SHADER_PEEL_RESOLVE_COLOR,
+    PLAN_SHADER_TRANSPARENT_VERTEX,
+    PLAN_SHADER_TRANSPARENT_BLEND_FRAGMENT,
+    PLAN_SHADER_TRANSPARENT_OTHERS_FRAGMENT,
+    PLAN_SHADER_TRANSPARENT_MASK,
+    PLAN_SHADER_TRANSPARENT_COMPOSITE,
+    PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST,
+    PLAN_SHADER_HOST_LIMITS,
     PLAN_SHADER_HOST_VERTEX,
     PLAN_SHADER_HOST_FRAGMENT,
     PLAN_SHADER_HOST_FRAGMENT_DEPTH,
@@ -223,6 +246,7 @@ enum plan_kind {
     PLAN_DISPATCH_INDIRECT, /* three words at `offset` of the work buffer */
     PLAN_DRAW,              /* three vertices a splat */
     PLAN_EXCHANGE,          /* between processes, by the host */
+    PLAN_COPY_DEPTH,        /* of a host's image, the tile's part */
 };
 
 enum plan_access_kind {
@@ -239,7 +263,9 @@ struct plan_access {
 enum plan_raster {
     PLAN_RASTER_WINNER, /* depth test and write, ids out */
     PLAN_RASTER_BLEND,  /* additive, no depth */
-    PLAN_RASTER_OVER,   /* premultiplied, over what is there, no depth */
+    /* Premultiplied, over what is there; ids are replaced. Depth test and write, where the pass has
+     * a depth image. */
+    PLAN_RASTER_OVER,
 };
 
 enum plan_exchange {
@@ -264,6 +290,8 @@ struct plan_pass {
     uint32_t layer, layer_count;       /* DRAW: of the attachments; axis: the walk */
     uint32_t part;                     /* axis: of a walk's lists */
     uint32_t first_splat, splat_count; /* DRAW */
+    float scale;                       /* DRAW: of radii; 0: 1 */
+    float shift;                       /* DRAW: of slabs, in slabs */
     uint8_t access_count;
     struct plan_access access[PLAN_MAX_ACCESSES];
 };
@@ -317,6 +345,8 @@ struct stp_plan {
     uint32_t chunk_count; /* 0: all points are there at once */
     uint32_t chunk_first, chunk_end;
     uint32_t chunk[PLAN_MAX_CHUNKS + 1];
+    uint32_t stream_count; /* chunks that the scene comes in itself; 0: it is in memory */
+    uint32_t stream[STREAM_MOST_CHUNKS + 1];
     uint32_t tile_width, tile_height; /* the largest */
     uint32_t levels;                  /* of the pyramid; 0: no pyramid */
     struct plan_grid grid;            /* of the whole picture */
@@ -326,6 +356,7 @@ struct stp_plan {
     struct axis_blocks axis_blocks;           /* by compute */
     double environment_axes[3][3];            /* world: right of the map's centre, up, its centre */
     uint32_t group_first[STP_MAX_GROUPS + 1]; /* raster: splats of a group in the order buffer */
+    uint32_t cover_first[STP_MAX_GROUPS + 1]; /* fast, nearest: members of a group there */
 };
 
 /* plan/plan.c: can these be planned with at all? Logs why not. */
@@ -334,6 +365,18 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
 
 /* plan/choose.c: method, path, payload, voronoi and why. */
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
+
+/* plan/transparency.c: AUTO where nothing is transparent; the method whose passes composite such
+ * layers; checks what was asked for; why. */
+enum stp_transparency plan_resolve_transparency(const struct stp_facts *facts,
+                                                const struct stp_render_params *params,
+                                                const struct stp_limits *limits);
+enum stp_method plan_transparency_method(enum stp_transparency transparency);
+enum stp_result plan_choose_transparency(const struct stp_env *env, struct stp_plan *plan);
+void plan_explain_layers(struct stp_plan *plan);
+/* Takes the groups that each cover the surface, back to front (ZP Algorithms 2 and 3). */
+bool plan_covers(const struct stp_plan *plan);
+
 /* The reference in place of what was chosen: the device cannot hold the scene. */
 void plan_leave_device(struct stp_plan *plan);
 
@@ -394,6 +437,10 @@ bool plan_pyramid_chunks(struct stp_plan *plan);
 struct plan_grid plan_tile_grid(const struct stp_plan *plan, const struct plan_tile *tile);
 /* Workgroups of a pass over one level of a grid. */
 uint32_t plan_level_blocks(const struct plan_grid *grid, uint32_t level);
+void plan_transparent(struct stp_plan *plan);
+/* Resources and passes before those that are repeated for every layer; then these. */
+void plan_peel_begin(struct stp_plan *plan);
+void plan_peel(struct stp_plan *plan);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
@@ -415,6 +462,13 @@ enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
 /* Tiles of that size over the camera's picture. */
 void plan_place_tiles(struct stp_plan *plan);
 
+/* plan/host.c: makes of a plan's copy that of a frame whose layers a host's depth cuts: what lies
+ * behind it is not drawn. A plan without layers stays as it is. */
+enum stp_result plan_behind_host(const struct stp_env *env, struct stp_plan *plan,
+                                 enum plan_host_depth depth);
+/* The eye depth that ends each pixel's ray; nothing where no host's depth does. */
+void plan_limits(struct stp_plan *plan);
+
 /* plan/plan.c */
 enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan,
                           struct stp_plan **copy);
@@ -422,6 +476,8 @@ enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan
 /* Words of out_id a pixel: see STP_ID_WORDS; one more, the last, where layers are counted. */
 uint32_t plan_id_words(const struct stp_plan *plan);
 
+/* How often the repeated passes run: once a sample, or once a layer that is peeled. */
+uint32_t plan_repeats(const struct stp_plan *plan);
 /* How many samples a pixel has: the square of PLAN_SAMPLE_GRID. */
 uint32_t plan_samples(const struct stp_plan *plan);
 

@@ -16,7 +16,7 @@ static const char *const constant_names[PLAN_CONSTANTS] = {
     "local_viewer", "background",   "aovs",      "squarings",   "repair",          "slot_ids",
     "atomic64",     "layered",      "float64",   "sample_grid", "lanes",           "axis_walks",
     "axis_cut",     "unlit",        "axis_walk", "axis_part",   "opacity",         "mixed",
-    "optics",
+    "optics",       "host_depth",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)
@@ -45,8 +45,8 @@ static void print_accesses(FILE *out, const struct stp_plan *plan, const struct 
 
 static void print_passes(FILE *out, const struct stp_plan *plan)
 {
-    static const char *const kinds[] = { "fill",      "reset", "dispatch",
-                                         "dispatch*", "draw",  "exchange" };
+    static const char *const kinds[] = { "fill", "reset",    "dispatch", "dispatch*",
+                                         "draw", "exchange", "copy" };
     bool repeats = plan_samples(plan) > 1;
     for (uint32_t i = 0; i < plan->pass_count; i++) {
         if (repeats && i == plan->repeat_first)

@@ -39,19 +39,36 @@ static bool all_at_once(const struct stp_plan *plan)
            n * 16 <= plan->limits.max_allocation;
 }
 
+/* Parts of at most `most` points; false: too many. */
+static bool append(struct stp_plan *plan, uint64_t first, uint64_t end, uint64_t most)
+{
+    uint64_t parts = (end - first + most - 1) / most;
+    if (plan->chunk_count + parts > PLAN_MAX_CHUNKS)
+        return false;
+    for (uint64_t i = 0; i < parts; i++) {
+        uint64_t at = first + i * most;
+        plan->chunk[plan->chunk_count++] = (uint32_t)at;
+    }
+    plan->chunk[plan->chunk_count] = (uint32_t)end;
+    return true;
+}
+
 bool plan_pyramid_chunks(struct stp_plan *plan)
 {
-    uint64_t n = plan->facts.splats, most = points_at_once(plan);
+    uint64_t most = points_at_once(plan);
+    bool all = true;
     plan->chunk_count = 0;
-    if (all_at_once(plan))
+    if (!plan->stream_count && all_at_once(plan))
         return true;
-    if (most == 0 || (n + most - 1) / most > PLAN_MAX_CHUNKS)
+    if (most == 0)
         return false;
-    plan->chunk_count = (uint32_t)((n + most - 1) / most);
-    for (uint32_t i = 0; i <= plan->chunk_count; i++)
-        plan->chunk[i] = (uint32_t)(i * most < n ? i * most : n);
+    if (!plan->stream_count)
+        all = append(plan, 0, plan->facts.splats, most);
+    for (uint32_t i = 0; i < plan->stream_count && all; i++)
+        all = append(plan, plan->stream[i], plan->stream[i + 1], most);
     size_t length = strlen(plan->why);
     snprintf(plan->why + length, sizeof plan->why - length,
-             " The points pass through the device's memory in %u chunks.", plan->chunk_count);
-    return true;
+             " The points pass through the device's memory in %u chunk%s%s.", plan->chunk_count,
+             plan->chunk_count == 1 ? "" : "s", plan->stream_count ? ", from their file" : "");
+    return all;
 }

@@ -103,6 +103,14 @@ uint32_t plan_samples(const struct stp_plan *plan)
     return plan->constant[PLAN_SAMPLE_GRID] * plan->constant[PLAN_SAMPLE_GRID];
 }
 
+uint32_t plan_repeats(const struct stp_plan *plan)
+{
+    uint32_t layers = plan->params.peel_layers;
+    if (plan->transparency != STP_TRANSPARENCY_PEEL)
+        return plan_samples(plan);
+    return layers ? layers : STP_DEFAULT_PEEL_LAYERS;
+}
+
 uint32_t plan_id_words(const struct stp_plan *plan)
 {
     return (plan_samples(plan) > 1 ? STP_ID_WORDS : 2) +
@@ -183,6 +191,7 @@ void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_
     pass->offset = STP_WORK_REPAIR * 4;
     pass->groups = (uint32_t)((plan_splats(plan) + STP_GROUP - 1) / STP_GROUP);
     splat_reads(plan, pass);
+    plan_reads(plan, pass, PLAN_LIMITS);
     plan_updates(plan, pass, PLAN_WORK);
     plan_updates(plan, pass, PLAN_LARGE);
     updates_all(plan, pass, updated);
@@ -191,6 +200,7 @@ void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_
     pass->repair = repair;
     pass->offset = (repair ? STP_WORK_REPAIR_L : STP_WORK_LARGE) * 4;
     splat_reads(plan, pass);
+    plan_reads(plan, pass, PLAN_LIMITS);
     plan_updates(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_LARGE);
     updates_all(plan, pass, updated);

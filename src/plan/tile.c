@@ -90,8 +90,8 @@ static void eye_dome(struct stp_plan *plan)
 /* Behind all else, and also where no block was touched. */
 static void background(struct stp_plan *plan)
 {
-    if (!plan->constant[PLAN_BACKGROUND] || plan->path != STP_PATH_COMPUTE ||
-        plan->method == STP_METHOD_AXIS)
+    bool behind = plan->path == STP_PATH_COMPUTE || plan->transparency != STP_TRANSPARENCY_AUTO;
+    if (!plan->constant[PLAN_BACKGROUND] || !behind || plan->method == STP_METHOD_AXIS)
         return;
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
@@ -117,12 +117,20 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     bool compute = plan->path == STP_PATH_COMPUTE && !axis;
     if (compute && !pyramid)
         compute_resources(plan);
-    if (compute)
+    bool peel = plan->transparency == STP_TRANSPARENCY_PEEL;
+    if (compute || peel)
         clear_outputs(plan);
+    plan_limits(plan);
+    if (peel)
+        plan_peel_begin(plan);
     plan->repeat_first = plan->pass_count;
     if (compute)
         reset_arguments(plan);
-    if (plan->method == STP_METHOD_DEFERRED)
+    if (peel)
+        plan_peel(plan);
+    else if (plan_covers(plan))
+        plan_transparent(plan);
+    else if (plan->method == STP_METHOD_DEFERRED)
         plan_deferred(plan);
     else if (plan->method == STP_METHOD_AXIS)
         plan_axis(plan);

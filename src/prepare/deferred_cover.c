@@ -36,6 +36,7 @@ static void release(struct cover *cover)
     mem_free(cover->depth);
     mem_free(cover->member);
     mem_free(cover->skip);
+    mem_free(cover->home);
     mem_free((void *)cover->epsilon);
     overlap_graph_release(&cover->graph);
 }
@@ -47,7 +48,8 @@ static enum stp_result start(struct cover *cover, const struct stp_scene *scene)
     cover->epsilon = epsilon;
     cover->skip = mem_zalloc(n, 1);
     cover->member = mem_zalloc(n, sizeof *cover->member);
-    if (!epsilon || !cover->skip || !cover->member)
+    cover->home = mem_alloc(n, 1);
+    if (!epsilon || !cover->skip || !cover->member || !cover->home)
         return log_no_memory(cover->env, n * 9, "groups");
     for (unsigned i = 0; i < scene->object_count; i++)
         epsilon[i] = scene->objects[i].epsilon;
@@ -55,6 +57,7 @@ static enum stp_result start(struct cover *cover, const struct stp_scene *scene)
         bool seen = !scene->splats.opacity || scene->splats.opacity[i] > 0;
         bool equal = i > 0 && splats_equal(&scene->splats, i - 1, i);
         cover->skip[i] = seen && !equal ? 0 : COVER_OUT;
+        cover->home[i] = UINT8_MAX;
     }
     return STP_OK;
 }
@@ -179,23 +182,25 @@ static enum stp_result make_groups(struct cover *cover, struct stp_cover *facts,
     enum stp_result result = build_graph(cover, (1 + largest_factor(facts->extend)) / 2);
     if (result == STP_OK)
         result = cover_masks_build(cover);
-    if (result == STP_OK)
-        result = cover_assign(cover);
-    if (result == STP_OK)
-        result = cover_measure(cover, NULL, MEASURE_BUDGET, facts->before, NULL);
+    if (result != STP_OK)
+        return result;
+    cover_assign(cover);
+    result = cover_measure(cover, NULL, MEASURE_BUDGET, facts->before, NULL);
     return result == STP_OK ? extend(cover, facts, target) : result;
 }
 
 /* All splats are one group, and cover what they cover. */
 static void make_one(struct cover *cover, struct stp_cover *facts)
 {
-    for (size_t i = 0; i < cover->splats->count; i++)
+    for (size_t i = 0; i < cover->splats->count; i++) {
         cover->member[i] = cover->skip[i] != COVER_OUT;
+        cover->home[i] = cover->member[i] ? 0 : UINT8_MAX;
+    }
     facts->before[0] = facts->coverage[0] = 1;
 }
 
 /* The members of each group, ascending, then its tree. */
-static enum stp_result make_trees(const struct cover *cover, struct stp_cover *facts,
+static enum stp_result make_trees(struct cover *cover, struct stp_cover *facts,
                                   struct cover_groups *made)
 {
     size_t n = cover->splats->count, splats = 0;
@@ -219,6 +224,10 @@ static enum stp_result make_trees(const struct cover *cover, struct stp_cover *f
     }
     enum stp_result result = bsp_build(cover->env, cover->splats, made, member);
     mem_free(member);
+    if (result == STP_OK) {
+        made->home = cover->home;
+        cover->home = NULL;
+    }
     return result;
 }
 
@@ -282,5 +291,6 @@ enum stp_result stp_scene_cover(const struct stp_env *env, struct stp_scene *sce
 {
     if (!scene)
         return log_error(env, STP_ERROR_ARGUMENT, "stp_scene_cover: the scene is NULL");
-    return cover_scene(env, scene, params);
+    enum stp_result result = scene_check_whole(env, scene, "covering");
+    return result == STP_OK ? cover_scene(env, scene, params) : result;
 }

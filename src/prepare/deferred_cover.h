@@ -27,6 +27,7 @@ struct cover {
     uint8_t *skip;              /* one of the above, or 0 */
     uint32_t **mask;            /* beside every edge: the points of i that the neighbour covers */
     uint8_t (*depth)[COVER_POINTS]; /* how many discs cover a point, at least 1, at most 255 */
+    uint8_t *home;                  /* the group at first; 255: none */
     uint64_t *member;               /* bit k: the splat is in group k */
 };
 
@@ -47,7 +48,7 @@ uint32_t cover_edge_back(const struct cover *cover, size_t i, size_t j);
 
 /* Every splat to the group whose members cover it least, over and over in canonical order until
  * few move: groups of like size that overlap themselves little. Those left out take turns. */
-enum stp_result cover_assign(struct cover *cover);
+void cover_assign(struct cover *cover);
 
 /* Adds splats to groups, largest new area first, until each covers `target` of the surface or has
  * taken `room` of them. */

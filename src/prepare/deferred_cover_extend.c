@@ -57,22 +57,15 @@ static void sweep(const struct cover *c, uint8_t *group)
     }
 }
 
-enum stp_result cover_assign(struct cover *cover)
+void cover_assign(struct cover *cover)
 {
-    size_t n = cover->splats->count, turn = 0;
-    uint8_t *group = mem_alloc(n, 1);
-    if (!group)
-        return log_no_memory(cover->env, n, "groups");
-    for (size_t i = 0; i < n; i++)
-        group[i] = UINT8_MAX;
-    sweep(cover, group);
-    for (size_t i = 0; i < n; i++) {
+    size_t turn = 0;
+    sweep(cover, cover->home);
+    for (size_t i = 0; i < cover->splats->count; i++) {
         if (cover->skip[i] == COVER_CROWDED)
-            group[i] = (uint8_t)(turn++ % cover->groups);
-        cover->member[i] = cover->skip[i] == COVER_OUT ? 0 : (uint64_t)1 << group[i];
+            cover->home[i] = (uint8_t)(turn++ % cover->groups);
+        cover->member[i] = cover->home[i] < cover->groups ? (uint64_t)1 << cover->home[i] : 0;
     }
-    mem_free(group);
-    return STP_OK;
 }
 
 /* A splat that may join the group, by the area that it would add: the queue of ZP 4.2.2 (1). The

@@ -233,5 +233,6 @@ enum stp_result stp_scene_group(const struct stp_env *env, struct stp_scene *sce
 {
     if (!scene)
         return log_error(env, STP_ERROR_ARGUMENT, "stp_scene_group: the scene is NULL");
-    return group_scene(env, scene, params);
+    enum stp_result result = scene_check_whole(env, scene, "grouping");
+    return result == STP_OK ? group_scene(env, scene, params) : result;
 }

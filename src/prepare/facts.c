@@ -12,37 +12,44 @@
 
 #define CORE_SAMPLES 65536
 
-/* The box of the 1st to the 99th percentile along each axis, grown by its diagonal on every side;
- * from every n-th splat, which in Morton order is an even sample. */
-static enum stp_result find_core(const struct stp_env *env, const struct splats *s,
-                                 const struct bounds *all, double core[6])
+size_t facts_core_step(size_t count)
 {
-    size_t step = s->count / CORE_SAMPLES + 1, n = (s->count + step - 1) / step;
-    double *value = mem_alloc(n, sizeof *value);
+    return count / CORE_SAMPLES + 1;
+}
+
+void facts_core(double *sample[3], size_t n, const struct bounds *all, double core[6])
+{
     struct bounds box;
-    if (!value)
-        return log_no_memory(env, n * sizeof *value, "percentiles");
+    size_t trim = (n - 1) / 100;
     for (int axis = 0; axis < 3; axis++) {
-        size_t trim = (n - 1) / 100;
-        for (size_t i = 0; i < n; i++)
-            value[i] = s->position[i * step][axis];
-        box.low[axis] = select_rank(value, n, trim);
-        box.high[axis] = select_rank(value, n, n - 1 - trim);
+        box.low[axis] = select_rank(sample[axis], n, trim);
+        box.high[axis] = select_rank(sample[axis], n, n - 1 - trim);
     }
-    mem_free(value);
     double margin = bounds_diagonal(&box);
     for (int axis = 0; axis < 3; axis++) {
         core[axis] = margin > 0 ? fmax(box.low[axis] - margin, all->low[axis]) : all->low[axis];
         core[axis + 3] =
             margin > 0 ? fmin(box.high[axis] + margin, all->high[axis]) : all->high[axis];
     }
+}
+
+static enum stp_result find_core(const struct stp_env *env, const struct splats *s,
+                                 const struct bounds *all, double core[6])
+{
+    size_t step = facts_core_step(s->count), n = (s->count + step - 1) / step;
+    double *value = mem_alloc(3 * n, sizeof *value);
+    double *sample[3] = { value, value + n, value + 2 * n };
+    if (!value)
+        return log_no_memory(env, 3 * n * sizeof *value, "percentiles");
+    for (int axis = 0; axis < 3; axis++)
+        for (size_t i = 0; i < n; i++)
+            sample[axis][i] = s->position[i * step][axis];
+    facts_core(sample, n, all, core);
+    mem_free(value);
     return STP_OK;
 }
 
-/* 0 where the coordinates are no larger than a few times the scene, so that float32 input stays
- * exact on the device; else the middle of the core, rounded to a multiple of the power of two below
- * its extent, so that differences stay as exact as can be. */
-static void find_origin(const double core[6], double origin[3])
+void facts_origin(const double core[6], double origin[3])
 {
     double largest = 0, extent = 0;
     for (int axis = 0; axis < 3; axis++) {
@@ -82,6 +89,13 @@ static void sum_flux(const void *context, size_t begin, size_t end, double *sum)
     }
 }
 
+enum stp_result facts_flux(const struct stp_env *env, const struct splats *s,
+                           const double centroid[3], double flux[2])
+{
+    struct flux f = { s, v3_load(centroid) };
+    return block_sum(env, s->count, 2, sum_flux, &f, flux);
+}
+
 static enum stp_result find_outwardness(const struct stp_env *env, const struct splats *s,
                                         double *outwardness)
 {
@@ -90,8 +104,7 @@ static enum stp_result find_outwardness(const struct stp_env *env, const struct 
     if (result != STP_OK)
         return result;
     struct vec3 centre = v3_add(v3_load(s->origin), v3_scale(v3_load(sum), 1 / (double)s->count));
-    struct flux f = { s, centre };
-    result = block_sum(env, s->count, 2, sum_flux, &f, flux);
+    result = facts_flux(env, s, (double[]){ centre.x, centre.y, centre.z }, flux);
     if (result == STP_OK)
         *outwardness = flux[1] > 0 ? flux[0] / flux[1] : 0;
     return result;
@@ -160,7 +173,7 @@ enum stp_result facts_measure(const struct stp_env *env, struct splats *s, struc
         result = find_core(env, s, &box, core);
     if (result != STP_OK)
         return result;
-    find_origin(core, s->origin);
+    facts_origin(core, s->origin);
     memcpy(facts->origin, s->origin, sizeof facts->origin);
     memcpy(facts->bounds, box.low, sizeof box.low);
     memcpy(facts->bounds + 3, box.high, sizeof box.high);

@@ -108,19 +108,33 @@ static uint64_t spread(uint64_t x)
     return (x | x << 2) & 0x1249249249249249u;
 }
 
+static uint64_t morton_code(const double p[3], const double low[3], double scale)
+{
+    uint64_t code = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double cell = (p[axis] - low[axis]) * scale;
+        uint64_t bits = cell < 2097151.0 ? (uint64_t)cell : 2097151u;
+        code |= spread(bits) << (2 - axis);
+    }
+    return code;
+}
+
+static bool has_cells(double extent)
+{
+    return !(2097152.0 / extent > DBL_MAX || extent < DBL_MIN);
+}
+
+uint64_t order_code(const double p[3], const struct bounds *box)
+{
+    double extent = bounds_extent(box);
+    return has_cells(extent) ? morton_code(p, box->low, 2097152.0 / extent) : 0;
+}
+
 static void morton_keys(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct keys *k = context;
-    for (size_t i = begin; i < end; i++) {
-        const double *p = k->splats->position[k->order[i]];
-        uint64_t code = 0;
-        for (int axis = 0; axis < 3; axis++) {
-            double cell = (p[axis] - k->low[axis]) * k->scale;
-            uint64_t bits = cell < 2097151.0 ? (uint64_t)cell : 2097151u;
-            code |= spread(bits) << (2 - axis);
-        }
-        k->key[i] = code;
-    }
+    for (size_t i = begin; i < end; i++)
+        k->key[i] = morton_code(k->splats->position[k->order[i]], k->low, k->scale);
 }
 
 static void word_keys(void *context, size_t begin, size_t end, unsigned worker)
@@ -147,7 +161,7 @@ static enum stp_result sort_by_words(const struct stp_env *env, struct keys *k, 
 }
 
 static enum stp_result sort_range(const struct stp_env *env, const struct splats *s,
-                                  uint32_t *order, size_t count);
+                                  uint32_t *order, size_t count, const struct bounds *within);
 
 /* Splats of one cell are sorted among themselves. */
 static enum stp_result sort_runs(const struct stp_env *env, const struct splats *s,
@@ -160,16 +174,21 @@ static enum stp_result sort_runs(const struct stp_env *env, const struct splats 
         if (end - begin <= SHORT_RUN)
             insertion_sort(s, order + begin, end - begin);
         else
-            result = sort_range(env, s, order + begin, end - begin);
+            result = sort_range(env, s, order + begin, end - begin, NULL);
     }
     return result;
 }
 
+/* within: NULL, or the box whose cells count instead of those of their own bounds. */
 static enum stp_result sort_range(const struct stp_env *env, const struct splats *s,
-                                  uint32_t *order, size_t count)
+                                  uint32_t *order, size_t count, const struct bounds *within)
 {
     struct bounds box;
-    enum stp_result result = bounds_of(env, s->position, order, count, &box);
+    enum stp_result result = STP_OK;
+    if (within)
+        box = *within;
+    else
+        result = bounds_of(env, s->position, order, count, &box);
     if (result != STP_OK)
         return result;
     double extent = bounds_extent(&box);
@@ -181,7 +200,7 @@ static enum stp_result sort_range(const struct stp_env *env, const struct splats
                       0 };
     if (!k.key)
         return log_no_memory(env, count * sizeof *k.key, "the sorting keys");
-    if (k.scale > DBL_MAX || extent < DBL_MIN) {
+    if (!has_cells(extent)) {
         result = sort_by_words(env, &k, order, count);
     } else {
         parallel_for(env, count, GRAIN, morton_keys, &k);
@@ -266,6 +285,12 @@ static size_t count_duplicates(const struct splats *s)
 
 enum stp_result order_splats(const struct stp_env *env, struct splats *s, size_t *duplicates)
 {
+    return order_splats_within(env, s, NULL, duplicates);
+}
+
+enum stp_result order_splats_within(const struct stp_env *env, struct splats *s,
+                                    const struct bounds *within, size_t *duplicates)
+{
     uint32_t *order = mem_alloc(s->count, sizeof *order);
     if (!order)
         return log_no_memory(env, s->count * sizeof *order, "the order of the splats");
@@ -273,7 +298,7 @@ enum stp_result order_splats(const struct stp_env *env, struct splats *s, size_t
         order[i] = (uint32_t)i;
     enum stp_result result = STP_OK;
     if (s->count > 0)
-        result = sort_range(env, s, order, s->count);
+        result = sort_range(env, s, order, s->count, within);
     if (result == STP_OK && !permute_all(env, s, &order))
         result = log_no_memory(env, s->count * sizeof *s->position, "the splats in order");
     mem_free(order);

@@ -2,6 +2,7 @@
 #ifndef STP_PREPARE_ORDER_H
 #define STP_PREPARE_ORDER_H
 
+#include "prepare/bounds.h"
 #include "scene/splats.h"
 
 /* Puts the splats in canonical order. Positions are finite and below 1e18. The Morton code has 21
@@ -12,5 +13,11 @@
  * equal their predecessor in everything but the input index. On failure (out of memory, logged)
  * the splats are whole, in an unknown order. */
 enum stp_result order_splats(const struct stp_env *env, struct splats *splats, size_t *duplicates);
+
+/* The same for some of the splats in the box: the order that they have among all of those. And the
+ * first key of that order, 63 bits. */
+enum stp_result order_splats_within(const struct stp_env *env, struct splats *splats,
+                                    const struct bounds *within, size_t *duplicates);
+uint64_t order_code(const double p[3], const struct bounds *box);
 
 #endif

@@ -11,6 +11,7 @@
 #include "prepare/object.h"
 #include "prepare/order.h"
 #include "prepare/range.h"
+#include "prepare/stream.h"
 #include "prepare/volume.h"
 
 struct preparation {
@@ -64,20 +65,20 @@ static enum stp_result no_points(const struct preparation *p)
                      f->points, f->not_finite, f->clipped);
 }
 
-static void decide(struct preparation *p)
+void prepare_decide(const struct stp_scene *scene, const struct stp_prepare_params *params,
+                    size_t estimated, struct stp_facts *f)
 {
-    struct stp_facts *f = &p->facts;
-    f->normals = f->no_normal > f->splats / 2   ? STP_NORMALS_NONE
-                 : p->estimated > f->splats / 2 ? STP_NORMALS_ESTIMATED
-                                                : STP_NORMALS_GIVEN;
+    f->normals = f->no_normal > f->splats / 2 ? STP_NORMALS_NONE
+                 : estimated > f->splats / 2  ? STP_NORMALS_ESTIMATED
+                                              : STP_NORMALS_GIVEN;
     f->eye_dome = f->normals == STP_NORMALS_NONE;
-    f->two_sided = p->params->two_sided == STP_ON;
-    if (p->params->two_sided == STP_AUTO)
-        f->two_sided = p->estimated > 0 || f->eye_dome || f->outwardness < 0.1;
-    f->objects = p->scene->object_count;
-    f->lights = p->scene->light_count;
-    for (unsigned i = 0; i < p->scene->light_count; i++)
-        f->positional_lights |= p->scene->lights[i].positional && !p->scene->lights[i].at_eye;
+    f->two_sided = params->two_sided == STP_ON;
+    if (params->two_sided == STP_AUTO)
+        f->two_sided = estimated > 0 || f->eye_dome || f->outwardness < 0.1;
+    f->objects = scene->object_count;
+    f->lights = scene->light_count;
+    for (unsigned i = 0; i < scene->light_count; i++)
+        f->positional_lights |= scene->lights[i].positional && !scene->lights[i].at_eye;
 }
 
 /* Opacities that are all 1, and ellipses that are all discs, need no array. */
@@ -105,7 +106,7 @@ static enum stp_result prepare(struct preparation *p, struct splats *splats, dou
     result = facts_measure(p->env, splats, &p->facts, core);
     if (result != STP_OK)
         return result;
-    decide(p);
+    prepare_decide(p->scene, p->params, p->estimated, &p->facts);
     drop_plain(p, splats);
     return STP_OK;
 }
@@ -154,8 +155,14 @@ enum stp_result stp_scene_prepare(const struct stp_env *env, struct stp_scene *s
     if (result != STP_OK)
         return result;
     environment_facts(scene, &scene->facts);
-    if (scene->volume && volume_is_range(scene->volume))
-        return prepare_range(env, scene, params);
-    return scene->volume ? prepare_volume(env, scene, params)
-                         : prepare_scene(env, scene, params ? params : &defaults);
+    if (scene->volume)
+        return volume_is_range(scene->volume) ? prepare_range(env, scene, params)
+                                              : prepare_volume(env, scene, params);
+    params = params ? params : &defaults;
+    bool whole = !scene->stream;
+    if (!whole)
+        result = prepare_stream(env, scene, params, &whole);
+    if (result == STP_OK && scene->stream && whole)
+        result = stream_read_whole(env, scene);
+    return result == STP_OK && whole ? prepare_scene(env, scene, params) : result;
 }

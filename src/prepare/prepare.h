@@ -10,6 +10,10 @@
 enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene,
                               const struct stp_prepare_params *params);
 
+/* What follows from the rest of *facts: normals, sides, lights. estimated: normals that were. */
+void prepare_decide(const struct stp_scene *scene, const struct stp_prepare_params *params,
+                    size_t estimated, struct stp_facts *facts);
+
 /* ZP 4.1, Eq. 5: the overlap graph, as compressed adjacency, both directions. Rows are kept in
  * the pools that the parallel build filled: 4 bytes a directed edge and 4 a splat, never copied. */
 #define OVERLAP_POOL 4096

@@ -21,10 +21,10 @@ bool radius_is_good(float radius)
     return radius >= SMALLEST && radius <= LARGEST;
 }
 
-#define HALF_BINS 65536
+#define HALF_BINS RADII_BINS
 
 /* The bits of positive floats order as they do: first the upper half, then the lower. */
-static void count_halves(const float *radius, size_t count, size_t *bins, const uint32_t *upper)
+void radii_tally(const float *radius, size_t count, size_t *bins, const uint32_t *upper)
 {
     for (size_t i = 0; i < count; i++) {
         uint32_t bits;
@@ -39,7 +39,7 @@ static void count_halves(const float *radius, size_t count, size_t *bins, const 
 }
 
 /* The bin that holds the rank, which becomes a rank within it. */
-static uint32_t bin_of_rank(const size_t *bins, size_t *rank)
+uint32_t radii_bin_of_rank(const size_t *bins, size_t *rank)
 {
     uint32_t bin = 0;
     for (; *rank >= bins[bin]; bin++)
@@ -53,16 +53,16 @@ enum stp_result radii_median(const struct stp_env *env, const float *radius, siz
     size_t *bins = mem_zalloc(HALF_BINS, sizeof *bins), good = 0;
     if (!bins)
         return log_no_memory(env, HALF_BINS * sizeof *bins, "the median radius");
-    count_halves(radius, count, bins, NULL);
+    radii_tally(radius, count, bins, NULL);
     for (uint32_t bin = 0; bin < HALF_BINS; bin++)
         good += bins[bin];
     *median = 0;
     if (good > 0) {
         size_t rank = (good - 1) / 2;
-        uint32_t upper = bin_of_rank(bins, &rank);
+        uint32_t upper = radii_bin_of_rank(bins, &rank);
         memset(bins, 0, HALF_BINS * sizeof *bins);
-        count_halves(radius, count, bins, &upper);
-        uint32_t bits = upper << 16 | bin_of_rank(bins, &rank);
+        radii_tally(radius, count, bins, &upper);
+        uint32_t bits = upper << 16 | radii_bin_of_rank(bins, &rank);
         memcpy(median, &bits, sizeof bits);
     }
     mem_free(bins);

@@ -12,6 +12,13 @@ bool radius_is_good(float radius);
 enum stp_result radii_median(const struct stp_env *env, const float *radius, size_t count,
                              float *median);
 
+/* What it is made of, for radii that are not there at once: the bins of their upper halves, or,
+ * where *upper is one of those, of the lower halves within it; and the bin that holds a rank, which
+ * becomes a rank within it. */
+#define RADII_BINS 65536
+void radii_tally(const float *radius, size_t count, size_t *bins, const uint32_t *upper);
+uint32_t radii_bin_of_rank(const size_t *bins, size_t *rank);
+
 /* How many are 0. */
 size_t radii_unknown(const float *radius, size_t count);
 /* Whether some radius is so large against the median that radii_blank_monsters must look. */

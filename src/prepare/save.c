@@ -102,6 +102,8 @@ enum stp_result stp_scene_save(const struct stp_env *env, const struct stp_scene
                                const char *path)
 {
     struct file_output out;
+    if (scene->stream)
+        return scene_check_whole(env, scene, "saving splats");
     if (!scene->prepared || scene->share.count)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "%s: the scene must be prepared, and whole, to be saved", path);

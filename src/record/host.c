@@ -36,19 +36,32 @@ static enum stp_result check(const struct stp_env *env, const struct stp_context
         return log_error(env, STP_ERROR_ARGUMENT, "frames need an imported context");
     if (plan->share.count)
         return log_error(env, STP_ERROR_ARGUMENT, "a shared scene is for stp_render_share only");
-    if (plan->method == STP_METHOD_REFERENCE)
-        return log_error(env, STP_ERROR_ARGUMENT, "method reference draws on no device");
-    if (plan->method == STP_METHOD_PYRAMID)
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "method pyramid is not drawn into a host's frame; use exact or deferred");
+    enum stp_result result = resident_check_method(env, plan);
+    if (result != STP_OK)
+        return result;
     if (pass_host_most(params->color_format) == 0)
         return log_error(env, STP_ERROR_ARGUMENT, "VkFormat %d is no color format of a target",
                          params->color_format);
     if (params->depth_format != VK_FORMAT_UNDEFINED && !pass_host_aspects(params->depth_format))
         return log_error(env, STP_ERROR_ARGUMENT, "VkFormat %d is no depth format of a target",
                          params->depth_format);
-    enum stp_result result = record_check_features(env, context, plan);
+    result = record_check_features(env, context, plan);
     return result == STP_OK ? check_keys(env, plan) : result;
+}
+
+/* The frame's plan: a copy, which tests the host's depth where there are layers behind layers. */
+static enum stp_result own_plan(const struct stp_env *env, const struct stp_plan *plan,
+                                const struct stp_host_frame_params *params, struct stp_plan **own)
+{
+    struct stp_plan *made = NULL;
+    enum stp_result result = plan_copy(env, plan, &made);
+    if (result == STP_OK && params->composite == STP_COMPOSITE_OVER)
+        result = plan_behind_host(env, made, pass_host_depth(params->depth_format));
+    if (result == STP_OK)
+        *own = made;
+    else
+        stp_plan_destroy(&made);
+    return result;
 }
 
 static enum stp_result fill(const struct stp_env *env, const struct stp_plan *plan,
@@ -64,19 +77,25 @@ static enum stp_result fill(const struct stp_env *env, const struct stp_plan *pl
     struct record_host host = { .pass = frame->host, .scratch = params->scratch };
     if (params->share)
         host.pipelines = params->share->record.pipelines;
-    enum stp_result result = plan_copy(env, plan, &frame->plan);
+    enum stp_result result = own_plan(env, plan, params, &frame->plan);
     return result == STP_OK
                ? record_frame_create_hosted(env, frame->context, frame->plan, &host, &frame->record)
                : result;
 }
 
 enum stp_result stp_frame_scratch(const struct stp_env *env, struct stp_context *context,
-                                  const struct stp_plan *plan, VkMemoryRequirements *requirements)
+                                  const struct stp_plan *plan,
+                                  const struct stp_host_frame_params *params,
+                                  VkMemoryRequirements *requirements)
 {
-    if (plan->method == STP_METHOD_REFERENCE)
-        return log_error(env, STP_ERROR_ARGUMENT, "method reference draws on no device");
-    *requirements = record_resources_need(context, plan, RECORD_WITHOUT_SCENE);
-    return STP_OK;
+    struct stp_plan *own = NULL;
+    enum stp_result result = check(env, context, plan, params);
+    if (result == STP_OK)
+        result = own_plan(env, plan, params, &own);
+    if (result == STP_OK)
+        *requirements = record_resources_need(context, own, RECORD_WITHOUT_SCENE);
+    stp_plan_destroy(&own);
+    return result;
 }
 
 enum stp_result stp_frame_create(const struct stp_env *env, struct stp_context *context,
@@ -205,9 +224,12 @@ static void barriers(const struct stp_frame *frame, const struct stp_targets *ta
     frame->context->vk.vkCmdPipelineBarrier2(commands, &info);
 }
 
-/* The scene's buffers are the frame's only while it records. */
-static void lend(struct stp_frame *frame, const struct stp_resident *resident)
+/* The scene's buffers and the targets are the frame's only while it records. */
+static void lend(struct stp_frame *frame, const struct stp_resident *resident,
+                 const struct stp_targets *targets)
 {
+    frame->record.resources.host = &frame->host;
+    frame->record.resources.targets = targets;
     for (uint32_t i = 0; i < frame->plan->resource_count; i++) {
         const struct plan_resource *r = &frame->plan->resource[i];
         if (r->lifetime == PLAN_SCENE)
@@ -218,7 +240,7 @@ static void lend(struct stp_frame *frame, const struct stp_resident *resident)
 
 /* One tile: its passes, then the part that is kept into the targets. */
 static void record_tile(struct stp_frame *frame, const struct plan_tile *tile,
-                        const struct stp_targets *targets, VkCommandBuffer commands)
+                        VkCommandBuffer commands)
 {
     const struct record_frame *r = &frame->record;
     uint32_t parts = record_parts(frame->plan);
@@ -232,11 +254,11 @@ static void record_tile(struct stp_frame *frame, const struct plan_tile *tile,
     VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                               .memoryBarrierCount = 1,
                               .pMemoryBarriers = &memory };
+    pass_push_host(frame->context, commands, frame->plan, tile, &r->resources);
     for (uint32_t part = 0; part < parts; part++)
         record_walk(&frame->record, commands, tile, part, false, RECORD_NO_PASS);
     frame->context->vk.vkCmdPipelineBarrier2(commands, &info);
-    pass_record_host(frame->context, commands, frame->plan, tile, &frame->host, targets,
-                     r->resources.layout, r->pipelines->host);
+    pass_record_host(frame->context, commands, tile, &r->resources, r->pipelines->host);
 }
 
 enum stp_result stp_frame_record(const struct stp_env *env, struct stp_frame *frame,
@@ -249,11 +271,11 @@ enum stp_result stp_frame_record(const struct stp_env *env, struct stp_frame *fr
         return result;
     struct stp_plan *plan = frame->plan;
     plan_move(plan, camera);
-    lend(frame, resident);
+    lend(frame, resident, targets);
     barriers(frame, targets, commands, true);
     for (uint32_t i = 0; i < plan->tile_count; i++)
-        record_tile(frame, &plan->tile[i], targets, commands);
+        record_tile(frame, &plan->tile[i], commands);
     barriers(frame, targets, commands, false);
-    lend(frame, NULL);
+    lend(frame, NULL, NULL);
     return STP_OK;
 }

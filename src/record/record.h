@@ -106,6 +106,12 @@ enum stp_result record_exchange(const struct stp_env *env, struct record_frame *
                                 uint32_t sample, enum stp_result mine);
 /* The input index of ghost id `id` in the picture that `sample` of the pixel gave. */
 uint32_t record_ghost_input(const struct record_frame *frame, uint32_t id, uint32_t sample);
+/* order.c: puts the splats of a plan that blends in order for its camera; nothing for others.
+ * Once a frame, before it is recorded. The other: what of that buffer no frame changes. */
+enum stp_result record_order(const struct stp_env *env, struct record_frame *frame,
+                             const struct stp_scene *scene);
+enum stp_result record_upload_homes(const struct stp_env *env, struct record_frame *frame,
+                                    const struct stp_scene *scene, struct gpu_buffer *buffer);
 
 /* walk.c: a tile is recorded in parts of at most RECORD_SAMPLES samples, so that no submission
  * grows with their number. The steps of a part are passes in the order of execution: those before

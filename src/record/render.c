@@ -130,7 +130,12 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
                            double *read_back_ms)
 {
     const struct stp_plan *plan = frame->plan;
-    *ms = *read_back_ms = 0;
+    double begin = now_ms();
+    enum stp_result ordered = record_order(env, frame, scene);
+    if (ordered != STP_OK)
+        return ordered;
+    *ms = now_ms() - begin;
+    *read_back_ms = 0;
     for (uint32_t i = 0; i < plan->tile_count; i++) {
         double start = now_ms();
         enum stp_result result = run_tile(env, frame, scene, &plan->tile[i], NULL);
@@ -221,6 +226,7 @@ enum stp_result record_check_features(const struct stp_env *env, const struct st
     } needs[] = { { plan->constant[PLAN_FLOAT64], STP_FEATURE_FLOAT64 },
                   { plan->constant[PLAN_LAYERED], STP_FEATURE_VERTEX_LAYER },
                   { plan->path == STP_PATH_RASTER, STP_FEATURE_STORAGE_FORMATS },
+                  { plan_covers(plan), STP_FEATURE_INDEPENDENT_BLEND },
                   { plan->path == STP_PATH_COMPUTE && plan->constant[PLAN_ATOMIC64],
                     STP_FEATURE_INT64_ATOMICS } };
     for (unsigned i = 0; i < sizeof needs / sizeof *needs; i++)

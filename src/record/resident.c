@@ -5,17 +5,32 @@
 #include "base/memory.h"
 #include "scene/scene.h"
 
+enum stp_result resident_check_method(const struct stp_env *env, const struct stp_plan *plan)
+{
+    if (plan->method == STP_METHOD_REFERENCE)
+        return log_error(env, STP_ERROR_ARGUMENT, "method reference draws on no device");
+    if (plan->method == STP_METHOD_PYRAMID)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "method pyramid is not drawn into a host's frame; use exact or deferred");
+    if (plan->method == STP_METHOD_AXIS)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "volumes are not drawn into a host's frame: their lists are of one view");
+    if (plan_covers(plan) || plan->transparency == STP_TRANSPARENCY_PEEL)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "transparency %s is not drawn into a host's frame; use exact",
+                         stp_transparency_name(plan->transparency));
+    return STP_OK;
+}
+
 static enum stp_result check(const struct stp_env *env, const struct stp_context *context,
                              const struct stp_scene *scene, const struct stp_plan *plan,
                              const struct stp_resident_params *params)
 {
     if (!context->imported)
         return log_error(env, STP_ERROR_ARGUMENT, "residents need an imported context");
-    if (plan->method == STP_METHOD_REFERENCE)
-        return log_error(env, STP_ERROR_ARGUMENT, "method reference draws on no device");
-    if (plan->method == STP_METHOD_PYRAMID)
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "method pyramid is not drawn into a host's frame; use exact or deferred");
+    enum stp_result result = resident_check_method(env, plan);
+    if (result != STP_OK)
+        return result;
     if (!scene->prepared || scene->splats.count != plan->facts.splats)
         return log_error(env, STP_ERROR_ARGUMENT, "the plan was made for another scene");
     if (params->splats && params->splats_offset % 16)

@@ -15,4 +15,7 @@ struct stp_resident {
     struct gpu_pending pending[GPU_MOST_PENDING];
 };
 
+/* resident.c: is it drawn into a host's frame? Logs why not. */
+enum stp_result resident_check_method(const struct stp_env *env, const struct stp_plan *plan);
+
 #endif

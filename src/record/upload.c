@@ -195,10 +195,13 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
                                 scene->environment.texel_count * sizeof *scene->environment.texel);
             break;
         case PLAN_ORDER:
-            result = scene->volume
-                         ? gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.entry,
-                                      frame->plan->resource[i].bytes)
-                         : upload_order(env, frame, &scene->splats, buffer);
+            if (scene->volume)
+                result = gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.entry,
+                                    frame->plan->resource[i].bytes);
+            else if (plan_covers(frame->plan))
+                result = record_upload_homes(env, frame, scene, buffer);
+            else
+                result = upload_order(env, frame, &scene->splats, buffer);
             break;
         case PLAN_COUNTS:
             if (scene->volume)

@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "prepare/stream.h"
 #include "record/record.h"
 #include "scene/scene.h"
 
@@ -94,13 +95,37 @@ bool record_upload_points(const struct stp_env *env, struct record_frame *frame,
     return true;
 }
 
+static enum stp_result upload_range(const struct stp_env *env, struct record_frame *frame,
+                                    const struct splats *splats, uint32_t first, uint32_t count)
+{
+    enum stp_result result = STP_OK;
+    for (uint32_t i = 0; result == STP_OK && i < frame->plan->resource_count; i++)
+        record_upload_points(env, frame, splats, i, first, count, &result);
+    return result;
+}
+
+/* The chunk of the file that holds the point; a chunk of the device is in one of them. */
+static uint32_t chunk_of_file(const struct scene_stream *stream, uint32_t point)
+{
+    uint32_t chunk = 0;
+    while (stream->chunk[chunk + 1] <= point)
+        chunk++;
+    return chunk;
+}
+
 enum stp_result record_upload_chunk(const struct stp_env *env, struct record_frame *frame,
                                     const struct stp_scene *scene, uint32_t chunk)
 {
     const struct stp_plan *plan = frame->plan;
     uint32_t first = plan->chunk[chunk], count = plan->chunk[chunk + 1] - first;
-    enum stp_result result = STP_OK;
-    for (uint32_t i = 0; result == STP_OK && i < plan->resource_count; i++)
-        record_upload_points(env, frame, &scene->splats, i, first, count, &result);
+    struct splats splats;
+    if (!scene->stream)
+        return upload_range(env, frame, &scene->splats, first, count);
+    uint32_t from = chunk_of_file(scene->stream, first);
+    enum stp_result result = stream_splats(env, scene, from, &splats, NULL);
+    if (result != STP_OK)
+        return result;
+    result = upload_range(env, frame, &splats, first - scene->stream->chunk[from], count);
+    splats_release(&splats);
     return result;
 }

@@ -28,7 +28,7 @@ static struct scope scope_of(const struct stp_plan *plan, const struct plan_pass
                              const struct plan_access *access)
 {
     const struct plan_resource *resource = &plan->resource[access->resource];
-    if (pass->kind == PLAN_FILL || pass->kind == PLAN_ARGUMENTS)
+    if (pass->kind == PLAN_FILL || pass->kind == PLAN_ARGUMENTS || pass->kind == PLAN_COPY_DEPTH)
         return (struct scope){ VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
                                VK_ACCESS_2_TRANSFER_WRITE_BIT };
     if (access->kind & PLAN_ATTACHMENT)
@@ -275,7 +275,7 @@ uint32_t record_parts(const struct stp_plan *plan)
     uint32_t count = exchanges(plan);
     if (count)
         return plan_samples(plan) * (count + 1);
-    return (plan_samples(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
+    return (plan_repeats(plan) + RECORD_SAMPLES - 1) / RECORD_SAMPLES;
 }
 
 static struct record_steps looping_steps(const struct stp_plan *plan, uint32_t part)
@@ -304,7 +304,7 @@ struct record_steps record_steps(const struct stp_plan *plan, uint32_t part)
     uint32_t count = exchanges(plan);
     if (count)
         return steps_between(plan, part, count);
-    uint32_t first = part * RECORD_SAMPLES, left = plan_samples(plan) - first;
+    uint32_t first = part * RECORD_SAMPLES, left = plan_repeats(plan) - first;
     struct record_steps steps = { .plan = plan, .first_sample = first, .exchange = RECORD_NO_PASS };
     uint32_t samples = left < RECORD_SAMPLES ? left : RECORD_SAMPLES;
     steps.before = first == 0 ? plan->repeat_first : 0;

@@ -26,6 +26,9 @@ struct framing {
     struct vec3 x, y, z, middle;
     double slope[2], length[2]; /* of the margin planes, and of their normals; 0, 1: orthographic */
     struct extremes *worker;
+    const double (*position)[3]; /* of the splats, or of a block of them */
+    const float *radius;
+    const uint8_t *dropped; /* STREAM_DROPPED: not there; NULL: all are */
 };
 
 static bool is_in_core(const struct stp_scene *scene, const double p[3])
@@ -51,12 +54,36 @@ static void add_sphere(const struct framing *f, struct extremes *e, struct vec3 
 static void extremes_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct framing *f = context;
-    const struct splats *s = &f->scene->splats;
     struct extremes e = f->worker[worker];
     for (size_t i = begin; i < end; i++)
-        if (is_in_core(f->scene, s->position[i]))
-            add_sphere(f, &e, v3_sub(v3_load(s->position[i]), f->middle), (double)s->radius[i]);
+        if (is_in_core(f->scene, f->position[i]) &&
+            !(f->dropped && f->dropped[i] == STREAM_DROPPED))
+            add_sphere(f, &e, v3_sub(v3_load(f->position[i]), f->middle), (double)f->radius[i]);
     f->worker[worker] = e;
+}
+
+/* Of a cloud that stays in its file. */
+static enum stp_result extremes_block(const struct stp_env *env, void *context, size_t first,
+                                      struct cloud *cloud)
+{
+    struct framing *f = context;
+    f->position = cloud->position;
+    f->radius = cloud->radius;
+    f->dropped = f->scene->stream->chunk_of + first;
+    parallel_for(env, cloud->count, GRAIN, extremes_range, f);
+    cloud_release(cloud);
+    return STP_OK;
+}
+
+static enum stp_result visit(struct framing *f)
+{
+    const struct splats *s = &f->scene->splats;
+    if (f->scene->stream)
+        return stream_walk(NULL, f->scene->stream, NULL, 0, 1, extremes_block, f);
+    f->position = s->position;
+    f->radius = s->radius;
+    parallel_for(NULL, s->count, GRAIN, extremes_range, f);
+    return STP_OK;
 }
 
 /* A volume is its box: outliers do not exist, and kernels are many. */
@@ -84,7 +111,7 @@ static enum stp_result find_extremes(struct framing *f, struct extremes *all)
         return log_no_memory(NULL, threads * sizeof *f->worker, "framing");
     for (unsigned i = 0; i < threads; i++)
         f->worker[i] = none;
-    parallel_for(NULL, f->scene->splats.count, GRAIN, extremes_range, f);
+    enum stp_result result = visit(f);
     for (unsigned i = 0; i < threads; i++) {
         for (int side = 0; side < 4; side++)
             all->side[side] = fmax(all->side[side], f->worker[i].side[side]);
@@ -92,7 +119,7 @@ static enum stp_result find_extremes(struct framing *f, struct extremes *all)
         all->back = fmin(all->back, f->worker[i].back);
     }
     mem_free(f->worker);
-    return STP_OK;
+    return result;
 }
 
 static void aim(struct framing *f, const struct stp_frame_params *p)

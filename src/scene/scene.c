@@ -23,6 +23,7 @@ void environment_release(struct scene_environment *environment)
 void cover_groups_release(struct cover_groups *groups)
 {
     mem_free(groups->node);
+    mem_free(groups->home);
     *groups = (struct cover_groups){ 0 };
 }
 
@@ -64,6 +65,7 @@ void stp_scene_destroy(struct stp_scene **scene)
     environment_release(&(*scene)->environment);
     cover_groups_release(&(*scene)->cover);
     volume_release(&(*scene)->volume);
+    stream_release(&(*scene)->stream);
     mem_free(*scene);
     *scene = NULL;
 }
@@ -71,6 +73,17 @@ void stp_scene_destroy(struct stp_scene **scene)
 const struct stp_facts *stp_scene_facts(const struct stp_scene *scene)
 {
     return &scene->facts;
+}
+
+enum stp_result scene_check_whole(const struct stp_env *env, const struct stp_scene *scene,
+                                  const char *what)
+{
+    if (!scene->stream)
+        return STP_OK;
+    return log_error(env, STP_ERROR_ARGUMENT,
+                     "%s takes all points in memory, and this cloud stays in its file, where only "
+                     "method pyramid draws it: --stream off reads it whole",
+                     what);
 }
 
 static bool all_finite(const float *value, unsigned count)
@@ -87,8 +100,9 @@ static enum stp_result check_object(const struct stp_env *env, const struct stp_
     static const char what[] = "points cannot be added";
     if (scene->prepared)
         return log_error(env, STP_ERROR_ARGUMENT, "%s: the scene is prepared already", what);
-    if (scene->volume)
-        return log_error(env, STP_ERROR_ARGUMENT, "%s: the scene holds a volume", what);
+    if (scene->volume || scene->stream)
+        return log_error(env, STP_ERROR_ARGUMENT, "%s: the scene holds %s", what,
+                         scene->volume ? "a volume" : "a cloud that stays in its file");
     if (scene->object_count == MAX_OBJECTS)
         return log_error(env, STP_ERROR_ARGUMENT, "%s: a scene holds %u objects at most", what,
                          MAX_OBJECTS);

@@ -7,6 +7,7 @@
 #include "load/cloud.h"
 #include "load/environment.h"
 #include "scene/splats.h"
+#include "scene/stream.h"
 #include "scene/volume.h"
 
 /* Where an object's colours come from: its cloud, or prepare makes them. */
@@ -70,8 +71,9 @@ struct stp_scene {
     struct stp_camera camera;
     struct scene_environment environment;
     struct splats splats;
-    struct cover_groups cover; /* after stp_scene_cover */
-    struct volume *volume;     /* NULL: none; then there are no splats */
+    struct cover_groups cover;   /* after stp_scene_cover */
+    struct volume *volume;       /* NULL: none; then there are no splats */
+    struct scene_stream *stream; /* NULL: none; then the splats are in the file, facts.splats */
     struct stp_facts facts;
     double core[6]; /* set by prepare, min x y z max x y z: splats whose centres are outside are
                        outliers that automatic framing leaves out */
@@ -80,6 +82,10 @@ struct stp_scene {
 };
 
 void environment_release(struct scene_environment *environment);
+
+/* An error where the points stay in their file; `what` wants them all, "grouping". */
+enum stp_result scene_check_whole(const struct stp_env *env, const struct stp_scene *scene,
+                                  const char *what);
 
 /* Takes ownership of *cloud (it is zeroed); on failure the cloud stays the caller's. The first
  * cloud's up and format become the scene's. A prepared scene takes no more points. */

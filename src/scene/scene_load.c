@@ -100,17 +100,26 @@ static enum color_source color_source(const char *color_by)
     return COLOR_OF_CLOUD;
 }
 
+static struct load_options options_of(const struct stp_load_params *params)
+{
+    return (struct load_options){ .transfer = params->transfer, .color_by = params->color_by };
+}
+
+static struct stp_object_params object_of(const struct stp_load_params *params)
+{
+    return (struct stp_object_params){ .material = params->material,
+                                       .epsilon = params->epsilon,
+                                       .opacity = params->opacity,
+                                       .optics = params->optics };
+}
+
 static enum stp_result add_points(const struct stp_env *env, struct stp_scene *scene,
                                   const char *path, const struct file_bytes *bytes,
                                   const struct stp_load_params *params,
                                   const struct scene_entry *entry)
 {
-    const struct load_options options = { .transfer = params->transfer,
-                                          .color_by = params->color_by };
-    const struct stp_object_params object = { .material = params->material,
-                                              .epsilon = params->epsilon,
-                                              .opacity = params->opacity,
-                                              .optics = params->optics };
+    const struct load_options options = options_of(params);
+    const struct stp_object_params object = object_of(params);
     struct cloud cloud = { 0 };
     enum stp_result result = load_from_bytes(env, path, bytes, &options, &cloud);
     if (result != STP_OK)
@@ -119,10 +128,59 @@ static enum stp_result add_points(const struct stp_env *env, struct stp_scene *s
         transform_cloud(&cloud, entry->transform, entry->scale);
     if (params->up != STP_UP_AUTO)
         cloud.up = params->up;
-    result = scene_add_cloud(env, scene, &cloud, &object);
+    result = cloud_give_radius(env, params->radius, &cloud);
+    if (result == STP_OK)
+        result = scene_add_cloud(env, scene, &cloud, &object);
     cloud_release(&cloud);
     if (result == STP_OK)
         scene->objects[scene->object_count - 1].color_source = color_source(params->color_by);
+    return result;
+}
+
+/* The object of a cloud that stays in its file. */
+static enum stp_result add_stream(const struct stp_env *env, struct stp_scene *scene,
+                                  const struct stp_load_params *params, struct ply_stream *file)
+{
+    const struct stp_object_params object = object_of(params);
+    struct cloud none = { .up = params->up ? params->up : STP_UP_Y };
+    struct scene_stream *stream = mem_zalloc(1, sizeof *stream);
+    if (!stream)
+        return log_no_memory(env, sizeof *stream, file->path);
+    memcpy(none.format, file->format, sizeof none.format);
+    enum stp_result result = scene_add_cloud(env, scene, &none, &object);
+    if (result != STP_OK) {
+        mem_free(stream);
+        return result;
+    }
+    *stream = (struct scene_stream){ .file = *file,
+                                     .radius = params->radius,
+                                     .chunk_points = params->stream_chunk };
+    *file = (struct ply_stream){ 0 };
+    scene->stream = stream;
+    scene->facts.points = stream->file.count;
+    return STP_OK;
+}
+
+/* *added: the cloud can stay in its file, is large enough, and *bytes is the scene's. */
+static enum stp_result try_stream(const struct stp_env *env, struct stp_scene *scene,
+                                  const char *path, struct file_bytes *bytes,
+                                  const struct stp_load_params *params, bool *added)
+{
+    const struct load_options options = options_of(params);
+    struct ply_stream file = { 0 };
+    const char *why;
+    enum stp_result result =
+        ply_stream_open(env, path, bytes, &options, params->radius > 0, &file, &why);
+    if (result == STP_OK && why && bytes->size / 12 > params->stream_above)
+        log_warning(env, "%s: read whole: %s", path, why);
+    *added = result == STP_OK && file.count > params->stream_above;
+    if (*added) {
+        result = add_stream(env, scene, params, &file);
+    } else if (file.count) {
+        *bytes = file.bytes;
+        file.bytes = (struct file_bytes){ 0 };
+    }
+    ply_stream_close(&file);
     return result;
 }
 
@@ -133,13 +191,15 @@ static enum stp_result add_file(const struct stp_env *env, struct stp_scene *sce
 {
     struct file_bytes bytes;
     struct raw_volume raw = { 0 };
-    bool is_volume;
+    bool is_volume, streams = false;
     log_progress(env, "load", 0);
     enum stp_result result = file_read(env, path, &bytes);
     if (result != STP_OK)
         return result;
     result = find_volume(env, path, &bytes, &params->volume, &raw, &is_volume);
-    if (result == STP_OK)
+    if (result == STP_OK && params->stream_above && !entry && !is_volume)
+        result = try_stream(env, scene, path, &bytes, params, &streams);
+    if (result == STP_OK && !streams)
         result = is_volume ? add_volume(env, scene, path, &bytes, &raw, params)
                            : add_points(env, scene, path, &bytes, params, entry);
     file_release(&bytes);

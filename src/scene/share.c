@@ -35,6 +35,8 @@ enum stp_result stp_scene_share(const struct stp_env *env, struct stp_scene *sce
                                 unsigned count)
 {
     size_t splats = scene->splats.count;
+    if (scene->stream)
+        return scene_check_whole(env, scene, "sharing");
     if (!scene->prepared || scene->share.count || scene->volume)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "only a prepared, whole scene of surfaces can be shared");

@@ -34,6 +34,7 @@ struct cover_groups {
     uint32_t first[STP_MAX_GROUPS + 1]; /* group k is node[first[k]] up to node[first[k + 1]] */
     struct bsp_node *node;              /* a tree a group: prepare/deferred_bsp.h */
     float factor[STP_MAX_GROUPS];       /* of its members' radii */
+    uint8_t *home; /* of every splat, the group it was in at first; 255: none */
 };
 
 void cover_groups_release(struct cover_groups *groups);

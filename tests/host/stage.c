@@ -3,7 +3,7 @@
 #include <math.h>
 
 /* A bumpy ball of n points, with or without colours. */
-struct stp_scene *stage_ball(struct engine *e, size_t n, bool colors, double size)
+struct stp_scene *stage_ball(struct engine *e, size_t n, bool colors, double size, float opacity)
 {
     double(*position)[3] = malloc(n * sizeof *position);
     float(*color)[3] = malloc(n * sizeof *color);
@@ -19,7 +19,8 @@ struct stp_scene *stage_ball(struct engine *e, size_t n, bool colors, double siz
                                  .color = colors ? (const float(*)[3])color : NULL };
     struct stp_scene *scene = NULL;
     assert_int_equal(stp_scene_create(&e->env, &scene), STP_OK);
-    assert_int_equal(stp_scene_add_points(&e->env, scene, &points, NULL), STP_OK);
+    const struct stp_object_params object = { .opacity = opacity };
+    assert_int_equal(stp_scene_add_points(&e->env, scene, &points, &object), STP_OK);
     assert_int_equal(stp_scene_prepare(&e->env, scene, NULL), STP_OK);
     free(position);
     free(color);
@@ -110,7 +111,7 @@ void stage_open(struct stage *s, VkFormat color, VkFormat depth, const char *mas
 {
     engine_open(&s->engine, masked);
     s->context = engine_context(&s->engine);
-    s->scene = stage_ball(&s->engine, 900, true, 1);
+    s->scene = stage_ball(&s->engine, 900, true, 1, 1);
     s->camera = stage_view(s->scene, WIDTH, HEIGHT, 0.4);
     engine_image_open(&s->engine, color, WIDTH, HEIGHT, &s->color);
     engine_image_open(&s->engine, depth, WIDTH, HEIGHT, &s->depth);

@@ -16,7 +16,7 @@ struct stage {
     struct engine_image color, depth;
 };
 
-struct stp_scene *stage_ball(struct engine *e, size_t n, bool colors, double size);
+struct stp_scene *stage_ball(struct engine *e, size_t n, bool colors, double size, float opacity);
 struct stp_camera stage_view(const struct stp_scene *scene, uint32_t width, uint32_t height,
                              double azimuth);
 struct stp_plan *stage_plan(struct engine *e, struct stp_context *context, struct stp_scene *scene,

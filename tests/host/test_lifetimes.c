@@ -145,7 +145,7 @@ static void test_memory_of_the_host(void **state)
         struct stp_host_frame_params params = floats;
         struct stp_device_memory scratch;
         VkMemoryRequirements needs;
-        assert_int_equal(stp_frame_scratch(&s.engine.env, context, plan, &needs), STP_OK);
+        assert_int_equal(stp_frame_scratch(&s.engine.env, context, plan, &params, &needs), STP_OK);
         assert_true(needs.memoryTypeBits != 0 && needs.size > 0);
         assert_int_equal(give(&counting, &needs, 0, &scratch), VK_SUCCESS);
         params.scratch = &scratch;

@@ -26,7 +26,9 @@ struct drawn {
 
 static struct drawn open_drawn(struct stage *s, unsigned scene, unsigned way)
 {
-    struct drawn d = { .scene = stage_ball(&s->engine, 200 + 300 * scene, scene != 1, 1 + scene) };
+    float opacity = scene == 1 && way == 0 ? 0.5f : 1; /* two-pass draws no layers */
+    struct drawn d = { .scene = stage_ball(&s->engine, 200 + 300 * scene, scene != 1, 1 + scene,
+                                           opacity) };
     struct stp_camera largest = stage_view(d.scene, WIDTH, HEIGHT, 0);
     struct stp_host_frame_params params = { .color_format = s->color.format,
                                             .depth_format = s->depth.format,
@@ -201,7 +203,7 @@ static void test_cost(void **state)
     double median[2];
     stage_open(&s, VK_FORMAT_R16G16B16A16_SFLOAT, VK_FORMAT_D32_SFLOAT, "validation");
     for (unsigned i = 0; i < 2; i++) {
-        struct stp_scene *scene = stage_ball(&s.engine, i ? 100000 : 100, true, 1);
+        struct stp_scene *scene = stage_ball(&s.engine, i ? 100000 : 100, true, 1, 1);
         struct stp_camera camera = stage_view(scene, WIDTH, HEIGHT, 0);
         struct stp_host_frame_params params = { .color_format = s.color.format };
         struct stp_plan *plan = stage_plan(&s.engine, s.context, scene, &camera, &ways[0]);

@@ -39,6 +39,9 @@ void scene_paint(struct stp_scene *scene, size_t i, float r, float g, float b);
 /* Others stay opaque. */
 void scene_fade(struct stp_scene *scene, size_t i, float opacity);
 void scene_assign(struct stp_scene *scene, size_t i, unsigned object);
+/* A bumpy sheet of overlapping discs that faces the eye of plain_camera, its objects in turns. */
+#define SCENE_SHEET_SPLATS 9
+struct stp_scene *scene_sheet(unsigned objects, uint32_t seed);
 /* Call after the last splat: bounds, counts, radii and the origin. */
 void scene_finish(struct stp_scene *scene);
 /* Each splat a group of its own (64 at most): deferred splatting is exact then. */

@@ -151,3 +151,16 @@ struct stp_scene *scene_random(uint32_t seed, size_t count, double epsilon)
     scene_finish(scene);
     return scene;
 }
+
+struct stp_scene *scene_sheet(unsigned objects, uint32_t seed)
+{
+    struct stp_scene *scene = scene_make(SCENE_SHEET_SPLATS, objects, 0.1);
+    for (unsigned i = 0; i < SCENE_SHEET_SPLATS; i++) {
+        double x = i % 3 * 0.5 - 0.5, y = i / 3 * 0.5 - 0.5;
+        struct vec3 p = v3(x, y, -2 + 0.1 * uniform(&seed));
+        size_t at = scene_add(scene, p, v3_add(v3(0, 0, 1), random_point(&seed, 0.6)), 0.45);
+        if (objects > 1)
+            scene_assign(scene, at, i % objects);
+    }
+    return scene;
+}

@@ -16,18 +16,9 @@ static int close_device(void **state)
     return 0;
 }
 
-#define SPLATS 9
-
 static struct stp_scene *sheet(unsigned objects)
 {
-    uint32_t seed = 5;
-    struct stp_scene *scene = scene_make(SPLATS, objects, 0.1);
-    for (int i = 0; i < SPLATS; i++) {
-        struct vec3 p = v3(i % 3 * 0.5 - 0.5, i / 3 * 0.5 - 0.5, -2 + 0.1 * uniform(&seed));
-        size_t at = scene_add(scene, p, v3_add(v3(0, 0, 1), random_point(&seed, 0.6)), 0.45);
-        if (objects > 1)
-            scene_assign(scene, at, (unsigned)i % objects);
-    }
+    struct stp_scene *scene = scene_sheet(objects, 5);
     scene_finish(scene);
     return scene;
 }

@@ -2,7 +2,11 @@
  * all at once, with them. */
 #include "device.h"
 
-#include "base/memory.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include "scene/scene.h"
 
 #define POINTS 60007
 
@@ -22,16 +26,17 @@ static int close_device(void **state)
 
 /* Two objects in front of each other, colours, and heaps of points that tie in every depth bit: on
  * the planes of constant depth only the id decides. */
-static struct stp_scene *heap_scene(void)
+static struct stp_scene *heap_scene(unsigned objects)
 {
-    struct stp_scene *scene = scene_make(POINTS, 2, 0.02);
+    struct stp_scene *scene = scene_make(POINTS, objects, 0.02);
     uint32_t seed = 11;
     for (int i = 0; i < POINTS; i++) {
         double x = 4 * uniform(&seed) - 2, y = 3 * uniform(&seed) - 1.5;
         double z = i % 3 == 0 ? -3.0 : -2.5 + 0.2 * sin(5 * x);
         size_t at = scene_add(scene, v3(x, y, z), v3(-cos(5 * x), 0, 1), 0.012);
         scene_paint(scene, at, (float)uniform(&seed), (float)uniform(&seed), 0.5f);
-        scene_assign(scene, at, i % 3 == 0);
+        if (objects > 1)
+            scene_assign(scene, at, i % 3 == 0);
     }
     scene_finish(scene);
     return scene;
@@ -52,7 +57,7 @@ static void expect_as_whole(const struct stp_render_params *params, unsigned chu
                             const char *what)
 {
     struct stp_camera camera = plain_camera(250, 190, 165);
-    struct stp_scene *scene = heap_scene();
+    struct stp_scene *scene = heap_scene(2);
     struct stp_render_params whole = *params;
     whole.mask_features = 0;
     struct stp_plan *plan = plan_in(scene, &camera, &whole, 0);
@@ -139,13 +144,60 @@ static void near_last_and_first(void **state)
     }
 }
 
+static struct stp_scene *load(const char *path, size_t chunk)
+{
+    struct stp_load_params params = { .stream_above = chunk ? 1 : 0, .stream_chunk = chunk };
+    struct stp_prepare_params prepare = { .two_sided = STP_ON };
+    struct stp_scene *scene = NULL;
+    assert_int_equal(stp_scene_load(&device.env, path, &params, &scene), STP_OK);
+    assert_int_equal(stp_scene_prepare(&device.env, scene, &prepare), STP_OK);
+    return scene;
+}
+
+/* A scene that stays in its file, through a device that holds all of it, and one that does not. */
+static void from_the_file(void **state)
+{
+    struct stp_camera camera = plain_camera(250, 190, 165);
+    struct stp_render_params p = { .method = STP_METHOD_PYRAMID,
+                                   .min_splat = -1,
+                                   .aovs = 127 & ~STP_AOV_ID };
+    char path[] = "/tmp/stipple_chunks_XXXXXX";
+    assert_true(mkstemp(path) >= 0);
+    struct stp_scene *made = heap_scene(1);
+    assert_int_equal(stp_scene_save(&device.env, made, path), STP_OK);
+    struct stp_scene *whole = load(path, 0), *stream = load(path, 40000);
+    assert_non_null(stream->stream);
+    struct stp_plan *plan = plan_in(whole, &camera, &p, 0);
+    struct stp_image *truth = device_render_plan(&device, whole, plan);
+    stp_plan_destroy(&plan);
+    static const uint64_t heaps[] = { 0, 2 << 20 };
+    for (unsigned i = 0; i < 2; i++) {
+        plan = plan_in(stream, &camera, &p, heaps[i]);
+        assert_true(plan->chunk_count >= stream->stream->chunk_count + i);
+        struct stp_image *image = device_render_plan(&device, stream, plan);
+        expect_same_bits(image, truth, i ? "from the file, in pieces" : "from the file");
+        stp_image_destroy(&image);
+        stp_plan_destroy(&plan);
+    }
+    p.method = STP_METHOD_EXACT;
+    assert_int_equal(device_plan(&device, stream, &camera, &p, &plan), STP_ERROR_ARGUMENT);
+    assert_non_null(strstr(device.last, "--stream off"));
+    p.method = STP_METHOD_PYRAMID;
+    p.aovs = STP_AOV_ID;
+    assert_int_equal(device_plan(&device, stream, &camera, &p, &plan), STP_ERROR_ARGUMENT);
+    stp_image_destroy(&truth);
+    stp_scene_destroy(&made);
+    stp_scene_destroy(&whole);
+    stp_scene_destroy(&stream);
+    remove(path);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(chunks_are_as_one),
-        cmocka_unit_test(without_atomics),
-        cmocka_unit_test(rim_without_atomics),
-        cmocka_unit_test(near_last_and_first),
+        cmocka_unit_test(chunks_are_as_one),   cmocka_unit_test(without_atomics),
+        cmocka_unit_test(rim_without_atomics), cmocka_unit_test(near_last_and_first),
+        cmocka_unit_test(from_the_file),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

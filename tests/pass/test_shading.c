@@ -17,20 +17,9 @@ static int close_device(void **state)
     return 0;
 }
 
-#define SPLATS 9
-
-/* A bumpy sheet of overlapping discs that faces the eye of plain_camera. */
 static struct stp_scene *sheet(unsigned objects)
 {
-    uint32_t seed = 9;
-    struct stp_scene *scene = scene_make(SPLATS, objects, 0.1);
-    for (int i = 0; i < SPLATS; i++) {
-        struct vec3 p = v3(i % 3 * 0.5 - 0.5, i / 3 * 0.5 - 0.5, -2 + 0.1 * uniform(&seed));
-        size_t at = scene_add(scene, p, v3_add(v3(0, 0, 1), random_point(&seed, 0.6)), 0.45);
-        if (objects > 1)
-            scene_assign(scene, at, (unsigned)i % objects);
-    }
-    return scene;
+    return scene_sheet(objects, 9);
 }
 
 enum { FLAT = 1, GROUPS = 2 };
@@ -59,7 +48,7 @@ static void test_hdr_colors(void **state)
 {
     struct stp_render_params p = { .min_splat = -1 };
     struct stp_scene *scene = sheet(1);
-    for (size_t i = 0; i < SPLATS; i++) {
+    for (size_t i = 0; i < SCENE_SHEET_SPLATS; i++) {
         float c = i % 3 == 0 ? 65504 : i % 3 == 1 ? 1e-4f : 0;
         scene_paint(scene, i, c, 65504 - c, c / 2);
     }
@@ -79,7 +68,7 @@ static void test_objects(void **state)
                                                         .albedo = { .1f, .9f, .4f } };
     scene->objects[2].material =
         (struct stp_material){ .diffuse = 1, .shininess = 1, .albedo = { 1, 0, 0 } };
-    for (size_t i = 0; i < SPLATS; i++) { /* as prepare does where albedos differ */
+    for (size_t i = 0; i < SCENE_SHEET_SPLATS; i++) { /* as prepare does where albedos differ */
         const float *c = scene->objects[i % 3].material.albedo;
         scene_paint(scene, i, c[0], c[1], c[2]);
     }
@@ -135,7 +124,7 @@ static void test_unknown_normals(void **state)
 {
     struct stp_render_params p = { .min_splat = -1 };
     struct stp_scene *scene = sheet(1);
-    for (size_t i = 0; i < SPLATS; i += 2)
+    for (size_t i = 0; i < SCENE_SHEET_SPLATS; i += 2)
         memset(scene->splats.normal[i], 0, sizeof scene->splats.normal[i]);
     scene->facts.two_sided = true;
     render_sheet(scene, &p, FLAT, "half the normals unknown");
@@ -152,7 +141,7 @@ static void test_eye_dome(void **state)
         uint32_t height = heights[i / 2];
         struct stp_camera camera =
             i == 1 ? flat_camera(30, height, height / 2.2) : plain_camera(30, height, height);
-        for (size_t at = 0; at < SPLATS; at++) {
+        for (size_t at = 0; at < SCENE_SHEET_SPLATS; at++) {
             memset(scene->splats.normal[at], 0, sizeof scene->splats.normal[at]);
             scene_paint(scene, at, 0.2f, at / 10.f, 0.7f);
         }

@@ -1,6 +1,7 @@
 /* Plans in words, compared with the files of tests/plan/golden to the byte. To renew them after a
  * change that is meant:   STP_WRITE_GOLDENS=1 meson test -C build --suite plan   and read the
  * difference. */
+#include "base/memory.h"
 #include "plans.h"
 
 static void expect_golden(struct inputs *in, const char *name)
@@ -143,6 +144,37 @@ static void test_pyramid(void **state)
     expect_golden(&in, "pyramid_colored_aovs");
 }
 
+/* As stp_scene_cover leaves it: half of the splats are in two groups. */
+static void cover_inputs(struct inputs *in)
+{
+    struct cover_groups *cover = &in->scene->cover;
+    in->scene->facts.cover = (struct stp_cover){ .groups = 2,
+                                                 .members = 150,
+                                                 .duplicates = 0.5,
+                                                 .coverage = { 0.98, 0.99 },
+                                                 .factor = { 1, 1.01 } };
+    cover->groups = 2;
+    cover->first[1] = 70;
+    cover->first[2] = 150;
+    cover->home = mem_alloc(100, 1);
+    for (int i = 0; i < 100; i++)
+        cover->home[i] = i % 2;
+}
+
+static void test_transparent(void **state)
+{
+    static const char *const names[] = { "transparent_fast", "transparent_nearest",
+                                         "transparent_peel" };
+    for (int i = 0; i < 3; i++) {
+        struct inputs in = plain_inputs();
+        fade_inputs(&in, i == 1);
+        cover_inputs(&in);
+        in.params.transparency = (enum stp_transparency)(STP_TRANSPARENCY_FAST + i);
+        in.params.peel_layers = 5;
+        expect_golden(&in, names[i]);
+    }
+}
+
 static void test_reference(void **state)
 {
     struct inputs in = plain_inputs();
@@ -165,6 +197,7 @@ int main(void)
         cmocka_unit_test(test_tiled_eye_dome_background),
         cmocka_unit_test(test_layers),
         cmocka_unit_test(test_pyramid),
+        cmocka_unit_test(test_transparent),
         cmocka_unit_test(test_reference),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -107,6 +107,38 @@ static void exact_for_peel(struct inputs *in)
     in->params.method = STP_METHOD_EXACT;
     in->params.transparency = STP_TRANSPARENCY_PEEL;
 }
+static void fast_without_cover(struct inputs *in)
+{
+    transparent(in);
+    in->params.transparency = STP_TRANSPARENCY_FAST;
+}
+static void fast_by_compute(struct inputs *in)
+{
+    fast_without_cover(in);
+    in->params.path = STP_PATH_COMPUTE;
+}
+static void nearest_with_samples(struct inputs *in)
+{
+    transparent(in);
+    in->params.transparency = STP_TRANSPARENCY_NEAREST;
+    in->params.samples = 4;
+}
+static void fast_counts_layers(struct inputs *in)
+{
+    fast_without_cover(in);
+    in->params.aovs = STP_AOV_LAYERS;
+}
+static void fast_without_blends(struct inputs *in)
+{
+    fast_without_cover(in);
+    in->params.mask_features = STP_FEATURE_INDEPENDENT_BLEND;
+}
+static void peel_with_samples(struct inputs *in)
+{
+    transparent(in);
+    in->params.transparency = STP_TRANSPARENCY_PEEL;
+    in->params.samples = 4;
+}
 static void two_pass_for_fast(struct inputs *in)
 {
     transparent(in);
@@ -162,6 +194,12 @@ static const struct {
     { too_many_samples, STP_ERROR_ARGUMENT, "65537" },
     { exact_for_peel, STP_ERROR_ARGUMENT, "method two-pass does" },
     { two_pass_for_fast, STP_ERROR_ARGUMENT, "method deferred does" },
+    { fast_without_cover, STP_ERROR_ARGUMENT, "stp_scene_cover" },
+    { fast_by_compute, STP_ERROR_ARGUMENT, "rasteriser" },
+    { nearest_with_samples, STP_ERROR_ARGUMENT, "one sample" },
+    { fast_counts_layers, STP_ERROR_ARGUMENT, "layers" },
+    { fast_without_blends, STP_ERROR_FEATURE, "independentBlend" },
+    { peel_with_samples, STP_ERROR_ARGUMENT, "one sample" },
     { little_memory, STP_ERROR_DEVICE_MEMORY, "tile" },
     { little_heap, STP_ERROR_DEVICE_MEMORY, "3000 bytes" },
     { not_prepared, STP_ERROR_ARGUMENT, "prepared" },

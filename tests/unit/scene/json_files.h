@@ -1,4 +1,4 @@
-/* Scratch files and a counting log for the tests of JSON. */
+/* Scratch files for the tests of JSON. */
 #ifndef TEST_JSON_FILES_H
 #define TEST_JSON_FILES_H
 
@@ -15,28 +15,7 @@
 #include <cmocka.h>
 #include <stipple/view.h>
 
-struct log_book {
-    unsigned errors, warnings;
-    char error[1024], warning[1024];
-};
-
-static inline void take_line(void *user, enum stp_log_level level, const char *line)
-{
-    struct log_book *book = user;
-    if (level == STP_LOG_ERROR) {
-        book->errors++;
-        snprintf(book->error, sizeof book->error, "%s", line);
-    } else if (level == STP_LOG_WARNING) {
-        book->warnings++;
-        snprintf(book->warning, sizeof book->warning, "%s", line);
-    }
-}
-
-static inline struct stp_env logged_env(struct log_book *book)
-{
-    *book = (struct log_book){ 0 };
-    return (struct stp_env){ .log = take_line, .user = book };
-}
+#include "../log_book.h"
 
 static inline char *in_folder(const char *folder, const char *name, char path[PATH_MAX])
 {

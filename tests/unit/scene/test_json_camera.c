@@ -9,7 +9,7 @@ static enum stp_result load(const char *folder, const char *text, uint32_t width
                             struct stp_camera *camera, struct log_book *book)
 {
     char path[PATH_MAX];
-    struct stp_env env = logged_env(book);
+    struct stp_env env = logged_env(book, 0);
     put_file(folder, "c.json", text);
     return stp_camera_load(&env, in_folder(folder, "c.json", path), 0, width, height, camera, NULL);
 }
@@ -108,7 +108,7 @@ static void test_path(void **state)
 {
     char path[PATH_MAX];
     struct log_book book;
-    struct stp_env env = logged_env(&book);
+    struct stp_env env = logged_env(&book, 0);
     struct stp_camera c;
     uint32_t count = 0;
     put_file(*state, "p.json",
@@ -252,7 +252,7 @@ static void test_save_refuses(void **state)
 {
     char path[PATH_MAX];
     struct log_book book;
-    struct stp_env env = logged_env(&book);
+    struct stp_env env = logged_env(&book, 0);
     struct stp_camera c = { .fx = 1, .fy = NAN, .width = 1, .height = 1 };
     in_folder(*state, "never.json", path);
     assert_int_equal(stp_camera_save(&env, path, &c), STP_ERROR_ARGUMENT);
@@ -264,7 +264,7 @@ static void test_memory(void **state)
 {
     char path[PATH_MAX];
     struct log_book book;
-    struct stp_env env = logged_env(&book);
+    struct stp_env env = logged_env(&book, 0);
     struct stp_camera c = loaded(*state, "{" IDENTITY ", \"fov_y_deg\": 90}", 0, 0);
     in_folder(*state, "m.json", path);
     for (unsigned long n = 1;; n++) {

@@ -13,7 +13,7 @@ static struct stp_scene *load(const char *folder, const char *text,
                               const struct stp_load_params *params, struct log_book *book)
 {
     char path[PATH_MAX];
-    struct stp_env env = logged_env(book);
+    struct stp_env env = logged_env(book, 0);
     struct stp_scene *scene = NULL;
     put_file(folder, "s.json", text);
     enum stp_result result =
@@ -103,7 +103,7 @@ static void test_camera_file(void **state)
     assert_true(stp_scene_camera(scene, 20, 10, &camera));
     assert_true(camera.fx == 20 && camera.fy == 10 && camera.cx == 10);
     /* No points is an error of prepare, not of load. */
-    struct stp_env env = logged_env(&book);
+    struct stp_env env = logged_env(&book, 0);
     assert_int_equal(stp_scene_prepare(&env, scene, NULL), STP_ERROR_NO_POINTS);
     stp_scene_destroy(&scene);
 }
@@ -112,7 +112,7 @@ static void test_point_file(void **state)
 {
     char path[PATH_MAX];
     struct log_book book;
-    struct stp_env env = logged_env(&book);
+    struct stp_env env = logged_env(&book, 0);
     struct stp_scene *scene = NULL;
     const struct stp_load_params params = { .epsilon = 2 };
     in_folder(*state, "a.ply", path);
@@ -231,7 +231,7 @@ static void test_memory(void **state)
 {
     char path[PATH_MAX];
     struct log_book book;
-    struct stp_env env = logged_env(&book);
+    struct stp_env env = logged_env(&book, 0);
     struct stp_scene *scene = NULL;
     unsigned failures = 0;
     env.threads = 1;
@@ -264,7 +264,7 @@ static void test_memory(void **state)
 static void test_example(void **state)
 {
     struct log_book book;
-    struct stp_env env = logged_env(&book);
+    struct stp_env env = logged_env(&book, 0);
     struct stp_scene *scene = NULL;
     struct stp_camera camera;
     assert_int_equal(stp_scene_load(&env, STP_ASSETS "/example_scene.json", NULL, &scene), STP_OK);

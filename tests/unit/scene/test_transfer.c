@@ -47,7 +47,7 @@ static void a_file_is_read(void **state)
 {
     char path[PATH_MAX];
     struct log_book book;
-    struct stp_env env = logged_env(&book);
+    struct stp_env env = logged_env(&book, 0);
     struct transfer_function f;
     put_file(*state, "tf.json",
              "{\"name\": \"vessels\", \"unit\": \"value\", \"points\": ["
@@ -78,7 +78,7 @@ static void mistakes_name_their_place(void **state)
     for (size_t i = 0; i < sizeof wrong / sizeof *wrong; i++) {
         char path[PATH_MAX];
         struct log_book book;
-        struct stp_env env = logged_env(&book);
+        struct stp_env env = logged_env(&book, 0);
         struct transfer_function f = { .count = 7 };
         put_file(*state, "wrong.json", wrong[i][0]);
         in_folder(*state, "wrong.json", path);

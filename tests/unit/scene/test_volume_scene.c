@@ -18,7 +18,7 @@ static enum stp_result load(const char *folder, const char *name,
                             struct stp_scene **scene)
 {
     char path[PATH_MAX];
-    struct stp_env env = logged_env(book);
+    struct stp_env env = logged_env(book, 0);
     *scene = NULL;
     enum stp_result result = stp_scene_load(&env, in_folder(folder, name, path), params, scene);
     assert_int_equal(book->errors, result != STP_OK);

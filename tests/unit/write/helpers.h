@@ -1,4 +1,4 @@
-/* What the tests of write/ share: a scratch folder, a log that counts, pictures. */
+/* What the tests of write/ share: a scratch folder, pictures. */
 #ifndef TEST_WRITE_HELPERS_H
 #define TEST_WRITE_HELPERS_H
 
@@ -15,28 +15,7 @@
 #include <cmocka.h>
 #include <stipple/image.h>
 
-struct log_book {
-    unsigned errors, warnings;
-    char error[1024], warning[1024];
-};
-
-static inline void take_line(void *user, enum stp_log_level level, const char *line)
-{
-    struct log_book *book = user;
-    if (level == STP_LOG_ERROR) {
-        book->errors++;
-        snprintf(book->error, sizeof book->error, "%s", line);
-    } else if (level == STP_LOG_WARNING) {
-        book->warnings++;
-        snprintf(book->warning, sizeof book->warning, "%s", line);
-    }
-}
-
-static inline struct stp_env logged_env(struct log_book *book, unsigned threads)
-{
-    *book = (struct log_book){ 0 };
-    return (struct stp_env){ .threads = threads, .log = take_line, .user = book };
-}
+#include "../log_book.h"
 
 static inline void make_scratch(char folder[64])
 {
@@ -71,6 +50,21 @@ static inline void remove_scratch(const char *folder)
             unlink(in_scratch(folder, entry->d_name, path));
     closedir(dir);
     assert_int_equal(rmdir(folder), 0);
+}
+
+/* Of a group of tests: its folder is the state. */
+static inline int enter_scratch(void **state)
+{
+    static char folder[64];
+    make_scratch(folder);
+    *state = folder;
+    return 0;
+}
+
+static inline int leave_scratch(void **state)
+{
+    remove_scratch(*state);
+    return 0;
 }
 
 /* The whole file; free() it. */

@@ -143,25 +143,11 @@ static void test_orthographic(void **state)
     check(*state, true);
 }
 
-static int set_up(void **state)
-{
-    static char folder[64];
-    make_scratch(folder);
-    *state = folder;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    remove_scratch(*state);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_perspective),
         cmocka_unit_test(test_orthographic),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, enter_scratch, leave_scratch);
 }

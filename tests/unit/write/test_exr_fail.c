@@ -115,17 +115,8 @@ static void test_no_such_place(void **state)
 
 static int set_up(void **state)
 {
-    static char folder[64];
     signal(SIGXFSZ, SIG_IGN);
-    make_scratch(folder);
-    *state = folder;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    remove_scratch(*state);
-    return 0;
+    return enter_scratch(state);
 }
 
 int main(void)
@@ -134,5 +125,5 @@ int main(void)
         cmocka_unit_test(test_full_disk),
         cmocka_unit_test(test_no_such_place),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, set_up, leave_scratch);
 }

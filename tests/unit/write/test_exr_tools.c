@@ -214,20 +214,6 @@ static void test_refused(void **state)
     stp_image_destroy(&image);
 }
 
-static int set_up(void **state)
-{
-    static char folder[64];
-    make_scratch(folder);
-    *state = folder;
-    return 0;
-}
-
-static int tear_down(void **state)
-{
-    remove_scratch(*state);
-    return 0;
-}
-
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -235,5 +221,5 @@ int main(void)
         cmocka_unit_test(test_their_files), cmocka_unit_test(test_idiff),
         cmocka_unit_test(test_windows),     cmocka_unit_test(test_refused),
     };
-    return cmocka_run_group_tests(tests, set_up, tear_down);
+    return cmocka_run_group_tests(tests, enter_scratch, leave_scratch);
 }

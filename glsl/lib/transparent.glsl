@@ -1,0 +1,16 @@
+// What Algorithms 2 and 3 of ZP share. Needs shade.glsl.
+
+// The light on a splat is the same for all its fragments: it is shaded once, by its vertices.
+const bool SHADED_ONCE = HEAD_LIGHT && !LOCAL_VIEWER;
+
+MaterialData splat_material(uint id)
+{
+    return frame.materials.v[HAS_OBJECTS ? floatBitsToUint(frame.splats.v[2 * id + 1].w) >> 8 : 0];
+}
+
+vec3 splat_albedo(uint id)
+{
+    if (HAS_COLOR)
+        return frame.colors.v[id];
+    return splat_material(id).albedo;
+}

@@ -1,0 +1,43 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// ZP Algorithm 2, geometry pass: a fragment blended over what lies behind it. The depth test lets
+// one fragment of a slab pass (Eq. 6), the first to come. OTHERS: Algorithm 3, second pass, without
+// the nearest layer.
+#include "lib/common.glsl"
+#include "lib/splat.glsl"
+#define GRAPHICS
+#include "lib/pixel.glsl"
+#include "lib/shade.glsl"
+#define FRAGMENT
+#define BLENDED
+#include "lib/varying.glsl"
+#include "lib/transparent.glsl"
+
+#ifdef OTHERS
+layout(location = 0) out vec4 blended;
+#else
+layout(location = 0) out uvec2 nearest;
+layout(location = 1) out vec4 blended;
+#endif
+
+void main()
+{
+    Fragment f = fragment_here();
+    uvec2 p = uvec2(gl_FragCoord.xy);
+    bool opaque = MIXED && vary_color.w == 1;
+#ifdef OTHERS
+    // Something opaque ends the ray wherever it is: it belongs to no transparent layer.
+    if (!opaque && f.depth <= uintBitsToFloat(frame.nearest.v[p.y * frame.tile_width + p.x]))
+        discard;
+#else
+    nearest = uvec2(vary_id, floatBitsToUint(f.depth));
+#endif
+    vec3 color = vary_color.xyz;
+    if (!SHADED_ONCE)
+        color = shade(splat_material(vary_id), color, vary_normal, pixel_position(p), f.depth);
+    blended = vec4(color * vary_color.w, vary_color.w);
+    // Slabs of the groups are shifted against each other, so that their seams do not meet. An opaque
+    // fragment wins its slab.
+    float slab = floor((f.depth - frame.depth_low) * frame.slab_scale + push_shift);
+    gl_FragDepth = clamp(1 - (slab - (opaque ? 0.5 : 0.0)) * frame.raster_slab, 0, 1);
+}

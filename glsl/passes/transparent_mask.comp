@@ -1,0 +1,26 @@
+#version 460
+#extension GL_GOOGLE_include_directive : require
+// ZP Algorithm 3, between the geometry passes: where the nearest layer of all groups ends. A mask of
+// each group by itself would count the first layer twice.
+#include "lib/common.glsl"
+#include "lib/splat.glsl"
+#define ALL_BLOCKS
+#include "lib/resolve.glsl"
+layout(set = 0, binding = 1, rg32ui) uniform readonly uimage2DArray winners;
+
+void main()
+{
+    uvec2 p;
+    uint pixel;
+    if (!resolve_pixel(p, pixel))
+        return;
+    float near = 1.0 / 0.0;
+    uint id = 0;
+    for (uint k = 0; k < K; k++) {
+        uvec2 winner = imageLoad(winners, ivec3(p, k)).xy;
+        float depth = winner.x == STP_NO_ID ? 1.0 / 0.0 : uintBitsToFloat(winner.y);
+        id = depth < near ? winner.x : id;
+        near = min(near, depth);
+    }
+    frame.nearest.v[p.y * frame.tile_width + p.x] = floatBitsToUint(near + object_epsilon(id));
+}

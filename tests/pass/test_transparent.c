@@ -1,0 +1,213 @@
+/* Transparencies fast, nearest and peel on a device, against the reference and against formulas. */
+#include "device.h"
+
+static struct device device;
+
+static int open_device(void **state)
+{
+    device_open(&device, 0);
+    return 0;
+}
+
+static int close_device(void **state)
+{
+    device_close(&device);
+    return 0;
+}
+
+/* A group may lack 2 % of the surface by default: of a few sheets that is one. */
+static const struct stp_cover_params whole = { .coverage = 1 };
+
+static struct stp_image *picture(struct stp_scene *scene, const struct stp_camera *camera,
+                                 struct stp_render_params p, enum stp_transparency transparency)
+{
+    p.transparency = transparency;
+    if (!scene->cover.groups)
+        assert_int_equal(stp_scene_cover(&device.env, scene, &whole), STP_OK);
+    return device_render(&device, scene, camera, &p);
+}
+
+static double psnr_of(struct stp_scene *scene, const struct stp_camera *camera,
+                      const struct stp_image *truth, enum stp_transparency transparency)
+{
+    struct stp_render_params p = { .min_splat = -1 };
+    struct stp_comparison c;
+    struct stp_image *image = picture(scene, camera, p, transparency);
+    assert_int_equal(stp_compare(NULL, image, truth, NULL, &c), STP_OK);
+    stp_image_destroy(&image);
+    return c.covered.psnr;
+}
+
+/* A ball with waves, four discs at a place, seen through from outside. */
+static struct stp_scene *ball(size_t count, float opacity)
+{
+    struct stp_scene *scene = scene_make(count, 1, 3.6 / sqrt((double)count));
+    uint32_t seed = 5;
+    for (size_t i = 0; i < count; i++) {
+        double z = 1 - (2 * (double)i + 1) / (double)count;
+        seed = seed * 1664525u + 1013904223u;
+        double a = seed * 0x1p-32 * 2 * M_PI, r = sqrt(1 - z * z);
+        struct vec3 n = v3(r * cos(a), r * sin(a), z);
+        scene_add(scene, v3_add(n, v3(0, 0, -4)), n, 3.6 / sqrt((double)count));
+        scene_fade(scene, i, opacity);
+    }
+    scene_finish(scene);
+    scene->facts.uniform_opacity = true;
+    return scene;
+}
+
+/* The bars of issue 4, of a closed surface. */
+static void errors_of_a_ball(void **state)
+{
+    for (int i = 0; i < 2; i++) {
+        struct stp_scene *scene = ball(20000, i ? 0.6f : 0.3f);
+        struct stp_camera camera = flat_camera(160, 160, 260);
+        struct stp_image *truth =
+            picture(scene, &camera, (struct stp_render_params){ .min_splat = -1 },
+                    STP_TRANSPARENCY_REFERENCE);
+        double fast = psnr_of(scene, &camera, truth, STP_TRANSPARENCY_FAST);
+        double nearest = psnr_of(scene, &camera, truth, STP_TRANSPARENCY_NEAREST);
+        double peel = psnr_of(scene, &camera, truth, STP_TRANSPARENCY_PEEL);
+
+        assert_true(fast >= 28);
+        assert_true(nearest >= 33 && nearest >= fast + 1);
+        assert_true(peel >= 60);
+        stp_image_destroy(&truth);
+        stp_scene_destroy(&scene);
+    }
+}
+
+static float value_at(const struct stp_image *image, const char *name)
+{
+    size_t middle = (size_t)(image->height / 2) * image->width + image->width / 2;
+    return stp_image_find(image, name)->data.f[middle];
+}
+
+/* `count` discs across the middle of the picture, `step` apart. */
+static struct stp_scene *sheets(size_t count, double step, float opacity)
+{
+    struct stp_scene *scene = scene_make(count, 1, 0.1);
+    for (size_t k = 0; k < count; k++) {
+        scene_add(scene, v3(0, 0, -5 - step * (double)k), v3(0, 0, 1), 2);
+        scene_fade(scene, k, opacity);
+    }
+    scene_finish(scene);
+    return scene;
+}
+
+static void closed_forms(void **state)
+{
+    static const struct {
+        size_t layers;
+        float opacity;
+    } cases[] = { { 1, 0.3f },   { 2, 0.6f },    { 8, 0.3f },
+                  { 300, 0.3f }, { 300, 1e-6f }, { 300, 0.01f } };
+    const enum stp_transparency ways[] = { STP_TRANSPARENCY_FAST, STP_TRANSPARENCY_NEAREST,
+                                           STP_TRANSPARENCY_PEEL };
+    for (unsigned i = 0; i < 3 * sizeof cases / sizeof *cases; i++) {
+        size_t layers = cases[i / 3].layers;
+        float opacity = cases[i / 3].opacity;
+        struct stp_scene *scene = sheets(layers, 0.21, opacity);
+        struct stp_camera camera = flat_camera(21, 17, 8);
+        struct stp_render_params p = { .min_splat = -1, .peel_layers = 300 };
+        struct stp_image *image = picture(scene, &camera, p, ways[i % 3]);
+        double alpha = -expm1((double)layers * log1p(-(double)opacity));
+        close_to(value_at(image, "A"), alpha, 1e-4 * alpha + 1e-7);
+        close_to(value_at(image, "R"), 0.84 * alpha, 1e-3 * alpha + 1e-7); /* 0.8 * 0.8 + 0.2 */
+        close_to(value_at(image, "Z"), 5, 1e-4);
+        close_to(value_at(image, "N.Z"), 1, 1e-4);
+        stp_image_destroy(&image);
+        stp_scene_destroy(&scene);
+    }
+}
+
+/* k layers and no more. */
+static void peels_as_many_as_asked(void **state)
+{
+    struct stp_scene *scene = sheets(20, 0.21, 0.25f);
+    struct stp_camera camera = flat_camera(21, 17, 8);
+    for (unsigned k = 1; k <= 20; k += 3) {
+        struct stp_render_params p = { .min_splat = -1, .peel_layers = k, .aovs = STP_AOV_LAYERS };
+        struct stp_image *image = picture(scene, &camera, p, STP_TRANSPARENCY_PEEL);
+        close_to(value_at(image, "A"), 1 - pow(0.75, k), 1e-5);
+        assert_true(value_at(image, "layers") == (float)k);
+        stp_image_destroy(&image);
+    }
+    stp_scene_destroy(&scene);
+}
+
+/* An opaque disc among the sheets ends the ray, and hides what lies behind. */
+static void opaque_among_transparent(void **state)
+{
+    const enum stp_transparency ways[] = { STP_TRANSPARENCY_FAST, STP_TRANSPARENCY_NEAREST,
+                                           STP_TRANSPARENCY_PEEL };
+    for (unsigned i = 0; i < 3; i++) {
+        struct stp_scene *scene = sheets(6, 0.21, 0.3f);
+        struct stp_camera camera = flat_camera(21, 17, 8);
+        scene_fade(scene, 3, 1);
+        scene->facts.mixed = true;
+        scene->facts.uniform_opacity = false;
+        struct stp_render_params p = { .min_splat = -1 };
+        struct stp_image *image = picture(scene, &camera, p, ways[i]);
+        close_to(value_at(image, "A"), 1, 1e-5);
+        close_to(value_at(image, "R"), 0.84, 1e-3);
+        stp_image_destroy(&image);
+        stp_scene_destroy(&scene);
+    }
+}
+
+/* Premultiplied: over black and over white, and solved back. */
+static void over_two_backgrounds(void **state)
+{
+    static const float black[] = { 0, 0, 0, 1 }, white[] = { 1, 1, 1, 1 };
+    const enum stp_transparency ways[] = { STP_TRANSPARENCY_FAST, STP_TRANSPARENCY_NEAREST,
+                                           STP_TRANSPARENCY_PEEL };
+    for (unsigned i = 0; i < 3; i++) {
+        struct stp_scene *scene = ball(2000, 0.4f);
+        struct stp_camera camera = flat_camera(64, 64, 100);
+        struct stp_render_params p = { .min_splat = -1 };
+        struct stp_image *none = picture(scene, &camera, p, ways[i]);
+        p.background = black;
+        struct stp_image *dark = picture(scene, &camera, p, ways[i]);
+        p.background = white;
+        struct stp_image *light = picture(scene, &camera, p, ways[i]);
+        const float *a = stp_image_find(none, "A")->data.f, *c = stp_image_find(none, "R")->data.f;
+        const float *b = stp_image_find(dark, "R")->data.f, *w = stp_image_find(light, "R")->data.f;
+        for (size_t at = 0; at < 64 * 64; at++) {
+            assert_true(isfinite(c[at]) && a[at] >= 0 && a[at] <= 1 + 1e-5);
+            close_to(b[at], c[at], 1e-6);
+            close_to(1 - (w[at] - b[at]), a[at], 1e-5);
+        }
+        stp_image_destroy(&none);
+        stp_image_destroy(&dark);
+        stp_image_destroy(&light);
+        stp_scene_destroy(&scene);
+    }
+}
+
+/* From inside, and twice: nothing that is not finite, and the same bits. */
+static void inside_and_again(void **state)
+{
+    for (enum stp_transparency t = STP_TRANSPARENCY_FAST; t <= STP_TRANSPARENCY_PEEL; t++) {
+        struct stp_scene *scene = ball(2000, 0.3f);
+        struct stp_camera camera = flat_camera(48, 48, 20);
+        camera.world_to_camera[11] = 3.9; /* near the middle of the ball */
+        struct stp_render_params p = { .min_splat = -1 };
+        struct stp_image *a = picture(scene, &camera, p, t), *b = picture(scene, &camera, p, t);
+        expect_same_bits(a, b, "again");
+        assert_true(value_at(a, "A") > 0.29f);
+        stp_image_destroy(&a);
+        stp_image_destroy(&b);
+        stp_scene_destroy(&scene);
+    }
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(errors_of_a_ball),       cmocka_unit_test(closed_forms),
+        cmocka_unit_test(peels_as_many_as_asked), cmocka_unit_test(opaque_among_transparent),
+        cmocka_unit_test(over_two_backgrounds),   cmocka_unit_test(inside_and_again),
+    };
+    return cmocka_run_group_tests(tests, open_device, close_device);
+}
