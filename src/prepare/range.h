@@ -5,18 +5,6 @@
 #include "scene/scene.h"
 #include "scene/volume.h"
 
-/* Optical depth of a surface, seen from where it was measured; shared among the frames that see it.
- */
-#define RANGE_DEPTH_OF_SURFACE 3.0
-/* Frames see one surface where their depths differ by less than this many deviations of both. Poses
- * that are a little off must not make two surfaces of one, or each would hide the other. */
-#define RANGE_AGREEMENT 8.0
-/* Angles between the eye's ray and a source's, as chords, at which a weight falls to a half (of an
- * ellipsoid), to a quarter (of a colour). */
-#define RANGE_ANGLE       0.05
-#define RANGE_COLOR_ANGLE 0.06
-#define RANGE_SOURCES     16 /* of an ellipsoid, at most: the heaviest */
-
 /* Fills scene->volume's kernels, scene->facts and scene->core. On failure nothing has changed. */
 enum stp_result prepare_range(const struct stp_env *env, struct stp_scene *scene,
                               const struct stp_prepare_params *params);

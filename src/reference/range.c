@@ -6,7 +6,7 @@
 #include "base/memory.h"
 #include "base/thread.h"
 #include "base/log.h"
-#include "prepare/range.h"
+#include "scene/range.h"
 
 /* The rows that turn the ellipsoid into the unit ball: the inverse of its axes, by cross products.
  */

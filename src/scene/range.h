@@ -13,6 +13,18 @@
 #define RANGE_MOST_SLOPE  4    /* depth over width of a footprint: 76 degrees; steeper is an edge */
 #define RANGE_LEAST_DEPTH 0.05 /* footprints: the least deviation along the ray */
 
+/* Optical depth of a surface, seen from where it was measured; shared among the frames that see it.
+ */
+#define RANGE_DEPTH_OF_SURFACE 3.0
+/* Frames see one surface where their depths differ by less than this many deviations of both. Poses
+ * that are a little off must not make two surfaces of one, or each would hide the other. */
+#define RANGE_AGREEMENT 8.0
+/* Angles between the eye's ray and a source's, as chords, at which a weight falls to a half (of an
+ * ellipsoid), to a quarter (of a colour). */
+#define RANGE_ANGLE       0.05
+#define RANGE_COLOR_ANGLE 0.06
+#define RANGE_SOURCES     16 /* of an ellipsoid, at most: the heaviest */
+
 /* A reading in the world: its place, what a step to the next pixel across and down does to it on
  * the surface around it, and one deviation along its ray. */
 struct range_pixel {
