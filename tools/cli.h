@@ -67,7 +67,7 @@ struct settings {
     double clip_box[6];
     float background[4];
     const char *environment;
-    const char *output, *preview, *stats, *camera, *write_camera, *limits;
+    const char *output, *deep, *preview, *stats, *camera, *write_camera, *limits;
     uint32_t first_frame, last_frame;
     double exposure, least_psnr;
     unsigned repeat, threads, rounds;
@@ -251,6 +251,12 @@ void json_text(struct json_out *out, struct cJSON *parent, const char *key, cons
 void json_bool(struct json_out *out, struct cJSON *parent, const char *key, bool value);
 /* To stdout; says so, and EXIT_FAILED, where something is missing. */
 int json_print(struct console *console, struct json_out *out, const struct cJSON *root);
+
+/* --- pictures.c ----------------------------------------------------------------------------- */
+
+/* The flat and the deep file and the preview of frame `index`, as far as they are wanted. */
+int write_pictures(struct console *console, const struct settings *settings,
+                   const struct stp_plan *plan, struct stp_image *image, uint32_t index);
 
 /* --- stats.c ------------------------------------------------------------------------------- */
 

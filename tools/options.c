@@ -43,6 +43,11 @@ const struct option_spec option_table[] = {
       "how often each configuration has its turn, for three timed frames each (default: 3, with "
       "--quick 2)",
       value_count, AT(rounds), "a whole number from 1 to 1000", 1, 1000, NULL },
+    { NULL, RENDER, "deep", 0, "FILE.exr",
+      "also write a deep EXR: a sample a layer (R G B A, Z, ZBack), front to back; of a transparent "
+      "scene by --transparency exact or reference, with one sample a pixel. Without the background "
+      "(default: none)",
+      value_exr_path, AT(deep), "a name that ends in .exr", 0, 0, NULL },
     { NULL, RENDER, "preview", 0, "FILE.png",
       "also write an 8-bit sRGB picture with straight alpha (default: none)",
       value_png_path, AT(preview), "a name that ends in .png", 0, 0, NULL },
@@ -298,10 +303,10 @@ const struct option_spec option_table[] = {
       value_flag, AT(calibrate), NULL, 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
-      "float64, storage-formats, independent-blend; may be repeated (default: none)",
+      "float64, storage-formats, independent-blend, subgroup-8; may be repeated (default: none)",
       value_features, AT(render.mask_features),
-      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, independent-blend with "
-      "commas between", 0, 0,
+      "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, "
+      "independent-blend, subgroup-8 with commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,
       "run under the Vulkan validation layers; any message is a failure (default: off)",

@@ -47,19 +47,24 @@ static int check_frames(const struct settings *settings)
     if (frames && settings->output && !pattern_valid(settings->output))
         return wrong_usage(command, "--frames wants one %%d or %%04d in --output '%s'",
                            settings->output);
+    if (frames && settings->deep && !pattern_valid(settings->deep))
+        return wrong_usage(command, "--frames wants one %%d or %%04d in --deep '%s'",
+                           settings->deep);
     if (frames && settings->preview && !pattern_valid(settings->preview))
         return wrong_usage(command, "--frames wants one %%d or %%04d in --preview '%s'",
                            settings->preview);
     return EXIT_DONE;
 }
 
+#define OUTPUTS 5
 /* The outputs, NULL where not wanted. */
-static void list_outputs(const struct settings *settings, const char *paths[4])
+static void list_outputs(const struct settings *settings, const char *paths[OUTPUTS])
 {
     paths[0] = settings->output;
     paths[1] = settings->preview;
     paths[2] = settings->stats;
     paths[3] = settings->write_camera;
+    paths[4] = settings->deep;
 }
 
 static int check_split(const struct settings *settings)
@@ -79,13 +84,14 @@ static int check_split(const struct settings *settings)
 static int check_usage(const struct settings *settings)
 {
     const struct command *command = settings->command;
-    const char *paths[4];
-    if (!settings->output && !settings->preview && !settings->stats)
-        return wrong_usage(command, "render wants -o OUT.exr (or --preview, or --stats alone)");
+    const char *paths[OUTPUTS];
+    if (!settings->output && !settings->deep && !settings->preview && !settings->stats)
+        return wrong_usage(command,
+                           "render wants -o OUT.exr (or --deep, --preview, or --stats alone)");
     if (!camera_usage_right(settings))
         return EXIT_COMMAND_LINE;
     list_outputs(settings, paths);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < OUTPUTS; i++)
         for (int j = 0; j < i; j++)
             if (paths[i] && paths[j] && strcmp(paths[i], paths[j]) == 0)
                 return wrong_usage(command, "'%s' is given for two outputs", paths[i]);
@@ -95,9 +101,9 @@ static int check_usage(const struct settings *settings)
 
 static int check_outputs(struct run *run)
 {
-    const char *paths[4];
+    const char *paths[OUTPUTS];
     list_outputs(run->settings, paths);
-    for (int i = 0; i < 4; i++)
+    for (int i = 0; i < OUTPUTS; i++)
         if (paths[i] && !output_possible(&run->console, paths[i], run->settings))
             return EXIT_FAILED;
     return EXIT_DONE;
@@ -115,53 +121,6 @@ static int together(struct run *run, int status)
 }
 
 /* --- one frame ------------------------------------------------------------------------------- */
-
-static bool is_half_channel(const char *name)
-{
-    return (strlen(name) == 1 && strchr("RGBA", *name)) || strncmp(name, "N.", 2) == 0 ||
-           strncmp(name, "albedo.", 7) == 0;
-}
-
-static void mark_half(struct stp_image *image)
-{
-    for (unsigned i = 0; i < image->channel_count; i++)
-        image->channels[i].half = is_half_channel(image->channels[i].name);
-}
-
-/* `path` itself, or the frame's path from the pattern; to be freed. */
-static char *frame_path(const struct settings *settings, const char *path, uint32_t index)
-{
-    return option_given(settings, "frames") ? pattern_expand(path, index) : strdup(path);
-}
-
-static enum stp_result write_exr(struct run *run, const struct frame *frame, const char *path)
-{
-    struct stp_plan_summary summary;
-    struct stp_exr_params params = run->settings->exr;
-    stp_plan_summarize(frame->plan, &summary);
-    params.comment = summary.why;
-    return stp_image_write_exr(&run->console.env, frame->image, path, &params);
-}
-
-static int write_pictures(struct run *run, const struct frame *frame, uint32_t index)
-{
-    const struct settings *settings = run->settings;
-    char *exr = settings->output ? frame_path(settings, settings->output, index) : NULL;
-    char *png = settings->preview ? frame_path(settings, settings->preview, index) : NULL;
-    bool named = (exr || !settings->output) && (png || !settings->preview);
-    enum stp_result result = named ? STP_OK : STP_ERROR_MEMORY;
-    if (!named)
-        console_error(&run->console, "out of memory");
-    signals_hold();
-    if (result == STP_OK && exr)
-        result = write_exr(run, frame, exr);
-    if (result == STP_OK && png)
-        result = stp_image_write_png(&run->console.env, frame->image, png, settings->exposure);
-    signals_release();
-    free(exr);
-    free(png);
-    return result == STP_OK ? EXIT_DONE : EXIT_FAILED;
-}
 
 /* Collective, also where the plan could not be made. */
 static int render_share(struct run *run, struct frame *frame, enum stp_result planned)
@@ -224,10 +183,8 @@ static int find_frame_camera(struct run *run, uint32_t index, struct stp_camera 
 static int write_frame(struct run *run, struct frame *frame, uint32_t index)
 {
     const struct settings *settings = run->settings;
-    if (settings->half)
-        mark_half(frame->image);
     double start = seconds_now();
-    int status = write_pictures(run, frame, index);
+    int status = write_pictures(&run->console, settings, frame->plan, frame->image, index);
     run->times.write = ms_since(start);
     if (status == EXIT_DONE)
         status = add_stats(run, frame);
@@ -322,10 +279,17 @@ static int load(struct run *run)
 {
     const struct settings *settings = run->settings;
     bool on_device = settings->render.method != STP_METHOD_REFERENCE;
-    if (on_device)
+    /* An opaque scene ignores it, and it is not known yet what the scene is. */
+    bool perhaps = on_device && settings->render.transparency == STP_TRANSPARENCY_REFERENCE;
+    if (on_device && !perhaps)
         context_start(&run->job, &run->console, &settings->context);
     int status =
         load_and_prepare(&run->console, settings, settings->files[0], &run->scene, &run->times);
+    if (status == EXIT_DONE && perhaps) {
+        on_device = !stp_scene_facts(run->scene)->transparent;
+        if (on_device)
+            context_start(&run->job, &run->console, &settings->context);
+    }
     if (status == EXIT_DONE && on_device)
         status = context_finish(&run->job, &run->limits);
     if (status == EXIT_DONE && run->limits && !run->shared)
@@ -384,6 +348,7 @@ static int join(struct run *run)
 int run_render(struct settings *settings)
 {
     struct run run = { .settings = settings };
+    settings->render.deep = settings->deep != NULL;
     int status = check_usage(settings);
     if (status != EXIT_DONE)
         return status;

@@ -1,13 +1,16 @@
 // A voxel's kernel: a Gaussian of one shape for the whole picture (docs/axis.md).
 
+const float LOG2_E = 1.442695041;
+
 // What a pixel's ray makes of the shape. With d the ray, q the kernel's centre from the ray's point at
 // its depth (q.z = 0): m^2 = q' M q - (g.q)^2 / A, free of the cancellation of far coordinates.
+// Exponents are of 2, with all that depends on the pixel alone folded in.
 struct Ray {
     vec2 d;      // the ray's direction is (d, 1); orthographic: it starts at (d, 0)
     vec2 g;      // M (d, 1), its x and y, over a
     float a;     // (d, 1)' M (d, 1)
-    vec3 form;   // of m^2 in q: xx, 2 xy, yy
-    float scale; // of the line integral: amplitude |(d, 1)| sqrt(2 pi / a)
+    vec3 form;   // of log2 exp(-m^2 / 2) in q: xx, 2 xy, yy
+    float scale; // log2 of the line integral's factor, amplitude |(d, 1)| sqrt(2 pi / a), times LOG2_E
 };
 
 Ray axis_ray(vec2 pixel)
@@ -21,8 +24,8 @@ Ray axis_ray(vec2 pixel)
                    m[2] * v.x + m[4] * v.y + m[5] * v.z);
     r.a = dot(v, mv);
     r.g = mv.xy / r.a;
-    r.form = vec3(m[0] - mv.x * r.g.x, 2 * (m[1] - mv.x * r.g.y), m[3] - mv.y * r.g.y);
-    r.scale = frame.axis.scale * length(v) * inversesqrt(r.a);
+    r.form = -0.5 * LOG2_E * vec3(m[0] - mv.x * r.g.x, 2 * (m[1] - mv.x * r.g.y), m[3] - mv.y * r.g.y);
+    r.scale = log2(LOG2_E * frame.axis.scale * length(v) * inversesqrt(r.a));
     return r;
 }
 
@@ -37,21 +40,50 @@ float erf_of(float x)
 }
 
 // The opacity that a kernel at `centre` (camera frame) adds to the ray, 0 where it has no fragment;
-// `depth` gets where its density is greatest on the visible part of the ray.
-float axis_alpha(Ray r, vec3 centre, float tau, out float depth)
+// `log_tau` is log2 of its optical depth a scene unit; `depth` gets where its density is greatest on
+// the visible part of the ray.
+float axis_alpha(Ray r, vec3 centre, float log_tau, out float depth)
 {
     vec2 q = centre.xy - (ORTHOGRAPHIC ? r.d : centre.z * r.d);
-    float m2 = r.form.x * q.x * q.x + r.form.y * q.x * q.y + r.form.z * q.y * q.y;
-    float seen = m2, share = 1;
+    float e = q.x * (r.form.x * q.x + r.form.y * q.y) + r.form.z * q.y * q.y;
+    float seen = e, share = 1;
     depth = centre.z + dot(r.g, q);
     if (AXIS_CUT) {
         float peak = depth, root = sqrt(0.5 * r.a);
         depth = clamp(peak, frame.near_depth, frame.far_depth);
-        seen += r.a * (depth - peak) * (depth - peak);
+        seen -= 0.5 * LOG2_E * r.a * (depth - peak) * (depth - peak);
         share = 0.5 * (erf_of(min((frame.far_depth - peak) * root, 9)) -
                        erf_of(max((frame.near_depth - peak) * root, -9)));
     }
-    float x = tau * r.scale * share * exp(-0.5 * max(m2, 0));
-    float alpha = x < 0.015625 ? x * (1 - x * (0.5 - x / 6)) : 1 - exp(-x); // thin media keep digits
-    return seen <= frame.axis.reach2 && alpha >= frame.axis.least_alpha ? alpha : 0;
+    float x = exp2(e + (r.scale + log_tau)); // optical depth times LOG2_E
+    if (AXIS_CUT)
+        x *= share;
+    // Thin media keep their digits: 1 - 2^-x by its series, within 1e-7 of itself.
+    float thin = x * (0.693147181 - x * (0.240226507 - 0.0555041087 * x));
+    float alpha = x < 0.0225 ? thin : 1 - exp2(-x);
+    return seen >= frame.axis.least_exponent && alpha >= frame.axis.least_alpha ? alpha : 0;
+}
+
+vec3 axis_world_ray(vec2 pixel)
+{
+    const float r[9] = frame.rotation;
+    vec2 d = (pixel - vec2(frame.center[0], frame.center[1])) *
+             vec2(frame.inv_focal[0], frame.inv_focal[1]);
+    vec3 v = ORTHOGRAPHIC ? vec3(0, 0, 1) : vec3(d, 1);
+    return vec3(r[0] * v.x + r[3] * v.y + r[6] * v.z, r[1] * v.x + r[4] * v.y + r[7] * v.z,
+                r[2] * v.x + r[5] * v.y + r[8] * v.z);
+}
+
+// Of a walk (axis; + 4: backwards) on the ray of world direction v: HM 5.2.
+float axis_weight(uint walk, vec3 v)
+{
+    vec3 size = abs(v);
+    float most = max(size.x, max(size.y, size.z));
+    uint axis = walk & 3, dominant = size.x == most ? 0 : size.y == most ? 1 : 2;
+    float own = (walk & 4) != 0 ? -v[axis] : v[axis];
+    if (frame.axis.merge == STP_AXIS_MERGE_CLIP)
+        return axis == dominant && own > 0 ? 1 : 0;
+    if (frame.axis.merge != STP_AXIS_MERGE_BLEND)
+        return 1;
+    return max(own / most - frame.axis.h, 0) / (1 - frame.axis.h);
 }

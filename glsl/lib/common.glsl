@@ -59,7 +59,8 @@ layout(constant_id = 28) const uint OPACITY = 0;         // 0 all is opaque, 1 o
 layout(constant_id = 29) const bool MIXED = false;       // some splats are opaque, where others are not
 layout(constant_id = 30) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
 layout(constant_id = 31) const uint HOST_DEPTH = 0;      // enum plan_host_depth
-layout(constant_id = 32) const bool ELLIPSOIDS = false;  // axis: of range images
+layout(constant_id = 32) const bool DEEP = false;         // layers are kept one by one
+layout(constant_id = 33) const bool ELLIPSOIDS = false;  // axis: of range images
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

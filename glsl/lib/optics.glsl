@@ -34,22 +34,36 @@ vec3 glass_bend(vec3 along, vec3 facing, float scale)
     return normalize(t - sqrt(max(0, 1 - dot(t, t))) * facing);
 }
 
-// The nearest, transparent layer of a ray through `layers` of them. own: the layers' light,
-// premultiplied; through: what they all let pass.
-vec3 surface_glass(OpticsData o, vec3 own, vec3 through, vec3 n, vec3 d, uint layers)
+// A transparent surface that meets the environment.
+struct Glass {
+    vec3 passed, mirrored; // share of what comes through; light that it mirrors
+    vec3 seen;             // of the environment, through `layers` of them
+};
+
+Glass glass_at(OpticsData o, vec3 n, vec3 d, uint layers)
 {
+    Glass g;
     float dn = dot(d, n), c = min(abs(dn), 1);
     vec3 facing = dn > 0 ? -n : n, along = d + c * facing;
     vec3 ior = dn > 0 ? 1 / o.ior : o.ior;
     float power = (OPTICS & STP_OPTICS_MULTI) != 0 ? float(layers) : 1;
     // Beyond total reflection the ray leaves along the surface.
     vec3 scale = min(exp2(-power * log2(ior)), vec3(1 / max(length(along), 1e-6)));
-    vec3 seen = environment_at(glass_bend(along, facing, scale.r), o.level);
+    g.seen = environment_at(glass_bend(along, facing, scale.r), o.level);
     if ((OPTICS & STP_OPTICS_DISPERSE) != 0) {
-        seen.g = environment_at(glass_bend(along, facing, scale.g), o.level).g;
-        seen.b = environment_at(glass_bend(along, facing, scale.b), o.level).b;
+        g.seen.g = environment_at(glass_bend(along, facing, scale.g), o.level).g;
+        g.seen.b = environment_at(glass_bend(along, facing, scale.b), o.level).b;
     }
     vec3 mirror = environment_at(normalize(d - 2 * dn * n), o.level);
-    vec3 passed, f = interface_fresnel(o, ior, c, passed);
-    return passed * (own + through * seen) + f * mirror;
+    vec3 f = interface_fresnel(o, ior, c, g.passed);
+    g.mirrored = f * mirror;
+    return g;
+}
+
+// The nearest, transparent layer of a ray through `layers` of them. own: the layers' light,
+// premultiplied; through: what they all let pass.
+vec3 surface_glass(OpticsData o, vec3 own, vec3 through, vec3 n, vec3 d, uint layers)
+{
+    Glass g = glass_at(o, n, d, layers);
+    return g.passed * (own + through * g.seen) + g.mirrored;
 }

@@ -1,68 +1,191 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// One walk's splats on blocks of pixels, front to back. A thread takes a column of its block and holds
-// the sums of its pixels in registers: a splat is fetched once for eight pixels. A part takes
-// STP_AXIS_PART entries at most, since a device may stop long loops; later parts go on.
+// The walks' splats on blocks of pixels, front to back. A thread takes a column of its block and holds
+// its pixels' sums in registers: a splat is fetched once for the column. Walk after walk, merged as
+// each pixel's ray says (HM Eq. 1).
+// PARTS: one walk, AXIS_PART_ENTRIES entries of its list at most, since a device may stop long loops;
+// sums are kept in memory, and axis_merge.comp merges them.
+// GROUPED: a subgroup is a block's eight threads. Each fetches a splat, then all take all eight.
 #include "lib/common.glsl"
+#ifdef GROUPED
+#extension GL_KHR_shader_subgroup_ballot : require
+#extension GL_KHR_shader_subgroup_vote : require
+#endif
 #include "lib/pixel.glsl"
 #include "lib/axis.glsl"
+#include "lib/axis_output.glsl"
 #include "lib/ellipsoid.glsl"
 layout(local_size_x = STP_GROUP) in;
 
-const float DARK = 1.0 / 16777216; // what light is left then changes no float
+const uint COLUMNS = STP_BLOCK, ROWS = STP_AXIS_ROWS;
+const uint TURN = 8;                // entries a turn of the loop
+const float DARK = 1.0 / (1 << 20); // of a picture's whole: what less light adds is below rounding
+const float NOTHING = -1.0 / 0.0;   // log2 of no optical depth
 
-uint sum_index(uint block, uint column, uint row)
+struct Sums {
+    vec4 color[STP_AXIS_ROWS]; // premultiplied; w: what light is left
+    float depth[STP_AXIS_ROWS];
+};
+
+struct Splat {
+    vec4 place; // centre, log2 of tau; of an ellipsoid tau
+    vec3 color;
+    vec3 r, s; // of an ellipsoid, its factor
+};
+
+Splat fetch(uint entry, bool known)
 {
-    return 2 * ((AXIS_WALK * frame.blocks_x * frame.blocks_y + block) * STP_GROUP +
-                row * STP_BLOCK + column);
+    uint id = frame.order.v[entry];
+    if (ELLIPSOIDS) {
+        vec3 color;
+        Ellipsoid e = ellipsoid_load(id, color);
+        return Splat(vec4(e.centre, known ? e.tau : 0), color, e.r, e.s);
+    }
+    Splat s = Splat(frame.projected.v[2 * id], frame.projected.v[2 * id + 1].xyz, vec3(0), vec3(0));
+    s.place.w = known ? s.place.w : NOTHING;
+    return s;
 }
+
+float alpha_of(Splat s, Ray ray, out float depth)
+{
+    if (ELLIPSOIDS)
+        return ellipsoid_alpha(Ellipsoid(s.place.xyz, s.place.w, s.r, s.s, vec3(0)), ray.d, depth);
+    return axis_alpha(ray, s.place.xyz, s.place.w, depth);
+}
+
+#ifdef GROUPED
+Splat from_lane(Splat s, uint lane)
+{
+    s.place = subgroupBroadcast(s.place, lane);
+    s.color = subgroupBroadcast(s.color, lane);
+    if (ELLIPSOIDS) {
+        s.r = subgroupBroadcast(s.r, lane);
+        s.s = subgroupBroadcast(s.s, lane);
+    }
+    return s;
+}
+#endif
+
+bool anyone(bool still)
+{
+#ifdef GROUPED
+    return subgroupAny(still);
+#else
+    return still;
+#endif
+}
+
+// The nearest entry comes last in a list: from `end` backwards. dark: of each pixel, light that is
+// too little to go on for.
+void take(uint end, uint count, const Ray ray[STP_AXIS_ROWS], const float dark[STP_AXIS_ROWS],
+          inout Sums sums)
+{
+    uint lane = gl_LocalInvocationIndex % COLUMNS;
+    bool still = true;
+    for (uint n = 0; n < count && anyone(still); n += TURN) {
+#ifdef GROUPED
+        Splat mine = fetch(max(end, n + lane + 1) - n - lane - 1, n + lane < count);
+#endif
+        [[unroll]] for (uint k = 0; k < TURN; k++) {
+#ifdef GROUPED
+            Splat s = from_lane(mine, k);
+#else
+            Splat s = fetch(max(end, n + k + 1) - n - k - 1, n + k < count);
+#endif
+            [[unroll]] for (uint i = 0; i < ROWS; i++) {
+                float depth;
+                float w = sums.color[i].w * alpha_of(s, ray[i], depth);
+                sums.color[i] += vec4(w * s.color, -w);
+                sums.depth[i] += w * depth;
+            }
+        }
+        still = false;
+        [[unroll]] for (uint i = 0; i < ROWS; i++)
+            still = still || sums.color[i].w > dark[i];
+    }
+}
+
+// The list of a walk: its end and length.
+void find(uint walk, uvec2 pixel, out uint end, out uint count)
+{
+    uint list = (walk * frame.axis.blocks_y + pixel.y / ROWS) * frame.axis.blocks_x +
+                pixel.x / COLUMNS;
+    end = frame.counts.v[list + 1];
+    count = end - frame.counts.v[list];
+}
+
+#ifdef PARTS
+void walk(uvec2 p, const Ray ray[STP_AXIS_ROWS])
+{
+    uint end, count, done = AXIS_PART * STP_AXIS_PART;
+    Sums sums;
+    float dark[STP_AXIS_ROWS];
+    find(AXIS_WALK, p + uvec2(frame.tile_x, frame.tile_y), end, count);
+    [[unroll]] for (uint i = 0; i < ROWS; i++) {
+        uint from = axis_sum(p + uvec2(0, i), AXIS_WALK);
+        sums.color[i] = AXIS_PART > 0 ? frame.axis_sums.v[from] : vec4(0, 0, 0, 1);
+        sums.depth[i] = AXIS_PART > 0 ? frame.axis_sums.v[from + 1].x : 0;
+        dark[i] = DARK;
+    }
+    take(end - min(done, count), done < count ? min(count - done, STP_AXIS_PART) : 0, ray, dark,
+         sums);
+    [[unroll]] for (uint i = 0; i < ROWS; i++) {
+        uint to = axis_sum(p + uvec2(0, i), AXIS_WALK);
+        frame.axis_sums.v[to] = sums.color[i];
+        frame.axis_sums.v[to + 1] = vec4(sums.depth[i], 0, 0, 0);
+    }
+}
+#else
+// A pixel is dark when what a walk could still add, by its share of the weights, is below DARK; where
+// it has no weight it is from the start.
+void walk(uvec2 p, const Ray ray[STP_AXIS_ROWS])
+{
+    vec3 v[STP_AXIS_ROWS];
+    vec4 color[STP_AXIS_ROWS];
+    float total[STP_AXIS_ROWS], depth[STP_AXIS_ROWS];
+    [[unroll]] for (uint i = 0; i < ROWS; i++) {
+        v[i] = axis_world_ray(vec2(p.x, p.y + i) + 0.5 + vec2(frame.tile_x, frame.tile_y));
+        color[i] = vec4(0);
+        depth[i] = total[i] = 0;
+        for (uint n = 0; n < AXIS_WALKS; n++) {
+            float w = axis_weight(frame.axis.walk[n], v[i]);
+            total[i] += w * w;
+        }
+    }
+    for (uint n = 0; n < AXIS_WALKS; n++) {
+        uint end, count;
+        Sums sums;
+        float share[STP_AXIS_ROWS], dark[STP_AXIS_ROWS];
+        find(n, p + uvec2(frame.tile_x, frame.tile_y), end, count);
+        [[unroll]] for (uint i = 0; i < ROWS; i++) {
+            float w = axis_weight(frame.axis.walk[n], v[i]);
+            share[i] = total[i] > 0 ? w * w / total[i] : 0;
+            dark[i] = share[i] > 0 ? DARK / share[i] : 2;
+            sums.color[i] = vec4(0, 0, 0, 1);
+            sums.depth[i] = 0;
+        }
+        take(end, count, ray, dark, sums);
+        [[unroll]] for (uint i = 0; i < ROWS; i++) {
+            color[i] += share[i] * vec4(sums.color[i].xyz, 1 - sums.color[i].w);
+            depth[i] += share[i] * sums.depth[i];
+        }
+    }
+    [[unroll]] for (uint i = 0; i < ROWS; i++)
+        if (p.x < frame.tile_width && p.y + i < frame.tile_height)
+            axis_output(p + uvec2(0, i), color[i], depth[i]);
+}
+#endif
 
 void main()
 {
-    uint block = workgroup_index() * (STP_GROUP / STP_BLOCK) + gl_LocalInvocationIndex / STP_BLOCK;
-    uint column = gl_LocalInvocationIndex % STP_BLOCK;
-    if (block >= frame.blocks_x * frame.blocks_y)
+    const uint bands = STP_BLOCK / ROWS; // of one block of the picture
+    uint block = workgroup_index() * (STP_GROUP / COLUMNS) + gl_LocalInvocationIndex / COLUMNS;
+    uint column = gl_LocalInvocationIndex % COLUMNS;
+    if (block >= frame.blocks_x * frame.blocks_y * bands)
         return;
-    uvec2 p = uvec2(block % frame.blocks_x, block / frame.blocks_x) * STP_BLOCK +
-              uvec2(frame.tile_x + column, frame.tile_y);
-    uint list = (AXIS_WALK * frame.axis.blocks_y + p.y / STP_BLOCK) * frame.axis.blocks_x +
-                p.x / STP_BLOCK;
-    uint first = frame.counts.v[list], done = AXIS_PART * STP_AXIS_PART;
-    uint count = frame.counts.v[list + 1] - first;
-    Ray ray[STP_BLOCK];
-    vec4 color[STP_BLOCK]; // w: what light is left
-    float depth_sum[STP_BLOCK], left = 1;
-    [[unroll]] for (uint i = 0; i < STP_BLOCK; i++) {
-        ray[i] = axis_ray(vec2(p.x, p.y + i) + 0.5);
-        uint from = sum_index(block, column, i);
-        color[i] = AXIS_PART > 0 ? frame.axis_sums.v[from] : vec4(0, 0, 0, 1);
-        depth_sum[i] = AXIS_PART > 0 ? frame.axis_sums.v[from + 1].x : 0;
-    }
-    uint turns = done < count ? min(count - done, STP_AXIS_PART) : 0, next = first + count - done;
-    for (uint n = 0; n < turns && left > DARK; n++) {
-        uint splat = frame.order.v[--next];
-        vec3 own;
-        vec4 place;
-        Ellipsoid ellipsoid;
-        if (ELLIPSOIDS) {
-            ellipsoid = ellipsoid_load(splat, own);
-        } else {
-            place = frame.projected.v[2 * splat];
-            own = frame.projected.v[2 * splat + 1].xyz;
-        }
-        left = 0;
-        [[unroll]] for (uint i = 0; i < STP_BLOCK; i++) {
-            float depth, w = color[i].w;
-            w *= ELLIPSOIDS ? ellipsoid_alpha(ellipsoid, ray[i].d, depth)
-                            : axis_alpha(ray[i], place.xyz, place.w, depth);
-            color[i] += vec4(w * own, -w);
-            depth_sum[i] += w * depth;
-            left = max(left, color[i].w);
-        }
-    }
-    [[unroll]] for (uint i = 0; i < STP_BLOCK; i++) {
-        uint to = sum_index(block, column, i);
-        frame.axis_sums.v[to] = color[i];
-        frame.axis_sums.v[to + 1] = vec4(depth_sum[i], 0, 0, 0);
-    }
+    uvec2 p = uvec2(block % frame.blocks_x * COLUMNS + column, block / frame.blocks_x * ROWS);
+    Ray ray[STP_AXIS_ROWS];
+    [[unroll]] for (uint i = 0; i < ROWS; i++)
+        ray[i] = axis_ray(vec2(p.x, p.y + i) + 0.5 + vec2(frame.tile_x, frame.tile_y));
+    walk(p, ray);
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Kernels of the lists into the camera frame, lit once, at their centres.
+// Kernels into the camera frame, lit once, at their centres.
 #include "lib/common.glsl"
 #include "lib/pixel.glsl"
 #include "lib/shade.glsl"
@@ -58,6 +58,6 @@ void main()
             n = -n;
         color = shade_at(frame.materials.v[0], color, n, c);
     }
-    frame.projected.v[2 * i] = vec4(c, place.w);
+    frame.projected.v[2 * i] = vec4(c, log2(place.w));
     frame.projected.v[2 * i + 1] = vec4(color, 0);
 }

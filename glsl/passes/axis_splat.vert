@@ -6,7 +6,7 @@
 #include "lib/axis.glsl"
 #include "lib/ellipsoid.glsl"
 
-layout(location = 0) flat out vec4 vary_place; // centre, tau
+layout(location = 0) flat out vec4 vary_place; // centre, log2 of tau
 layout(location = 1) flat out vec3 vary_color;
 layout(location = 2) flat out vec3 vary_r; // ellipsoids: their factor
 layout(location = 3) flat out vec3 vary_s;
@@ -20,8 +20,17 @@ vec4 to_clip(vec2 pixel)
     return vec4((pixel - vec2(frame.tile_x, frame.tile_y)) * 2 / size - 1, 0.5, 1);
 }
 
-// Around the ellipse of the centre's ray, wider by what perspective can bend it. form: of m^2 there,
-// xx xy yy.
+// Of m^2 at the centre's ray: xx, xy, yy.
+vec3 form_at(Ellipsoid e)
+{
+    if (ELLIPSOIDS)
+        return ellipsoid_form(e);
+    vec2 focal = vec2(frame.focal[0], frame.focal[1]), middle = vec2(frame.center[0], frame.center[1]);
+    Ray r = axis_ray(middle + focal * e.centre.xy / (ORTHOGRAPHIC ? 1 : e.centre.z));
+    return -2 / LOG2_E * vec3(r.form.x, 0.5 * r.form.y, r.form.z); // it is of an exponent
+}
+
+// Around the ellipse of the centre's ray, wider by what perspective can bend it.
 vec2 around_ellipse(vec3 c, vec3 form, uint corner, float bend)
 {
     vec2 focal = vec2(frame.focal[0], frame.focal[1]), middle = vec2(frame.center[0], frame.center[1]);
@@ -53,18 +62,9 @@ vec2 around_box(vec3 c, vec3 h, uint corner)
     return low + vec2(corner == 1 ? 2 : 0, corner == 2 ? 2 : 0) * (high - low);
 }
 
-vec3 form_at(Ellipsoid e)
-{
-    if (ELLIPSOIDS)
-        return ellipsoid_form(e);
-    vec2 focal = vec2(frame.focal[0], frame.focal[1]), middle = vec2(frame.center[0], frame.center[1]);
-    Ray r = axis_ray(middle + focal * e.centre.xy / (ORTHOGRAPHIC ? 1 : e.centre.z));
-    return vec3(r.form.x, 0.5 * r.form.y, r.form.z);
-}
-
 void main()
 {
-    uint id = push_first + gl_VertexIndex / 3, corner = gl_VertexIndex % 3;
+    uint id = frame.order.v[push_first + gl_VertexIndex / 3], corner = gl_VertexIndex % 3;
     Ellipsoid e;
     if (ELLIPSOIDS) {
         e = ellipsoid_load(id, vary_color);

@@ -81,4 +81,5 @@ void main()
         wall = s.solid ? ~0ul : wall;
     }
     ray_write(ray, p);
+    ray_deep(ray, p, true);
 }

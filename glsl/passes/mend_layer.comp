@@ -7,6 +7,7 @@
 #include "lib/splat.glsl"
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
+#define MENDED_RAYS
 #include "lib/layers.glsl"
 #include "lib/mend.glsl"
 
@@ -136,8 +137,10 @@ void turn(uint pixel, uvec2 p)
     ray_store(pixel, ray);
     // Of several samples only a finished ray may be added. A host's frame takes no more turns than
     // were recorded: what it has then is what stays.
-    if (!advance(pixel) || SAMPLE_GRID == 1)
+    bool ended = !advance(pixel);
+    if (ended || SAMPLE_GRID == 1)
         ray_write(ray, p);
+    ray_deep(ray, p, ended);
 }
 #endif
 

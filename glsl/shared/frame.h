@@ -62,7 +62,8 @@
 #define STP_BINDING_ATTRIBUTES 7
 #define STP_BINDING_POINTS     8
 #define STP_BINDING_RADII      9
-#define STP_AXIS_PART          60000u /* entries of a block's list that one pass takes */
+#define STP_AXIS_PART          262144u /* entries of a block's list that one pass takes */
+#define STP_AXIS_ROWS          4       /* pixels of a block's column: blocks are 8 x 4 */
 #define STP_AXIS_MERGE_BLEND   0
 #define STP_AXIS_MERGE_CLIP    1
 #define STP_ELLIPSOID          5 /* vectors of one: centre, tau; colour; then its axes */
@@ -70,6 +71,9 @@
 #define STP_BINDING_AXIS_COLOR 10
 #define STP_BINDING_AXIS_DEPTH 11
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
+#define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
+#define STP_DEEP_FLOATS        5
+#define STP_DEEP_MENDED        0x80000000u /* the ray is mended: its layers come a turn each */
 /* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
  * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
 #define STP_SUMS_NONE 0x7f8000007ffffffful
@@ -121,12 +125,13 @@ struct stp_axis_gpu {
     float shape[6];  /* camera frame: xx xy xz yy yz zz */
     float extent[3]; /* of the box around a kernel's reach */
     float reach2;    /* squared, in deviations */
+    float least_exponent; /* log2 of exp(-reach2 / 2) */
     float scale;     /* amplitude * sqrt(2 pi) */
     float least_alpha;
     float h;
     uint merge;              /* STP_AXIS_MERGE_* */
-    uint splats;             /* of all lists */
-    uint blocks_x, blocks_y; /* compute: of the whole picture */
+    uint splats;             /* all kernels */
+    uint blocks_x, blocks_y; /* compute: of 8 x STP_AXIS_ROWS, of the whole picture */
     uint walk[6];            /* axis; + 4: rays run against it */
 };
 
@@ -138,7 +143,7 @@ struct stp_frame_constants {
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(OpticsRef, optics);      /* one an object; where surfaces meet the environment */
     STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */
-    STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: by block */
+    STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: lists */
     STP_ADDRESS(UintRef, work);      /* STP_WORK_* */
     STP_ADDRESS(UintRef, objects);   /* pyramid: of points; with HAS_OBJECTS */
     STP_ADDRESS(UintRef, rim);       /* pyramid: empty pixels, then, from the end, those points */
@@ -148,16 +153,18 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, counts);    /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);   /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
-    STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per splat of a list: centre, tau; colour */
-    STP_ADDRESS(Vec4Ref, axis_sums); /* axis, compute: 2 a pixel and walk */
+    STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour */
+    STP_ADDRESS(Vec4Ref, axis_sums); /* axis, in parts: 2 a pixel and walk */
     STP_ADDRESS(UintRef, host_words); /* the host's depth as it was copied, rows of what was copied */
     STP_ADDRESS(FloatRef, limits);    /* the eye depth that ends each pixel's ray */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);
-    STP_ADDRESS(Vec4Ref, out_albedo); /* rgb, sum of weights */
-    STP_ADDRESS(UintRef, out_id);     /* canonical id, fragments; nearest sample, hits; layers */
-    STP_DOUBLE rotation64[9];         /* WITH_FLOAT64: centres are projected in double */
+    STP_ADDRESS(Vec4Ref, out_albedo);   /* rgb, sum of weights */
+    STP_ADDRESS(UintRef, out_id);       /* canonical id, fragments; nearest sample, hits; layers */
+    STP_ADDRESS(FloatRef, deep_layers); /* STP_DEEP_WINDOW a pixel: depth, r g b, alpha */
+    STP_ADDRESS(UintRef, deep_counts);  /* layers of a pixel's ray; STP_DEEP_MENDED */
+    STP_DOUBLE rotation64[9];           /* WITH_FLOAT64: centres are projected in double */
     STP_DOUBLE translation64[3];
     STP_DOUBLE eye64[3]; /* relative to the origin; orthographic: the direction of sight */
     STP_DOUBLE focal64[2];
@@ -203,6 +210,7 @@ struct stp_frame_constants {
     STP_STRUCT(stp_axis_gpu) axis;
     float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
     STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];
+    uint deep_first; /* layers of a ray from here on are kept, STP_DEEP_WINDOW of them */
 };
 
 #ifndef GL_core_profile

@@ -22,6 +22,19 @@ struct stp_channel {
     } data;
 };
 
+/* A layer of a pixel; its colour is premultiplied by its own alpha, and not by what is before it. A
+ * layer is a surface, and has no thickness. */
+struct stp_deep_layer {
+    float z, color[3], alpha;
+};
+
+/* The layers of every pixel, front to back: those of pixel i (rows from the top) are
+ * layer[first[i]] to before layer[first[i + 1]]. */
+struct stp_deep {
+    size_t *first; /* width * height + 1 */
+    struct stp_deep_layer *layer;
+};
+
 struct stp_image {
     uint32_t width, height;
     unsigned channel_count;
@@ -30,6 +43,7 @@ struct stp_image {
     struct stp_camera camera;
     double origin[3]; /* P and worldToCamera are relative to it */
     bool two_sided;
+    struct stp_deep *deep; /* owned; NULL: none, or one layer a pixel, which is the planes' */
 };
 
 STP_API enum stp_result stp_image_create(uint32_t width, uint32_t height, struct stp_image **image);
@@ -56,6 +70,12 @@ struct stp_exr_params {
 STP_API enum stp_result stp_image_write_exr(const struct stp_env *env,
                                             const struct stp_image *image, const char *path,
                                             const struct stp_exr_params *params);
+/* A deep scanline EXR of R G B A, Z and ZBack: the picture's layers, or one a pixel that something
+ * is in, from its planes. Without what a background adds behind layers. ZIP stands for ZIPS, the
+ * one of the two that deep files have, and so does PIZ. */
+STP_API enum stp_result stp_image_write_deep_exr(const struct stp_env *env,
+                                                 const struct stp_image *image, const char *path,
+                                                 const struct stp_exr_params *params);
 /* Any flat EXR of float, half or uint channels; the first part of a multi-part file. */
 STP_API enum stp_result stp_image_read_exr(const struct stp_env *env, const char *path,
                                            struct stp_image **image);

@@ -76,6 +76,7 @@ enum stp_feature {
     STP_FEATURE_STORAGE_FORMATS = 32, /* shaderStorageImageExtendedFormats: raster paths */
     STP_FEATURE_SHARED_MEMORY = 64,   /* device memory that the host may write: nothing is staged */
     STP_FEATURE_INDEPENDENT_BLEND = 128, /* independentBlend: transparency fast and nearest */
+    STP_FEATURE_SUBGROUP_8 = 256,        /* subgroups of 8, with votes and broadcasts: axis lists */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);
@@ -102,6 +103,7 @@ struct stp_render_params {
     unsigned samples; /* stratified samples a pixel, at most 65536, rounded up to a square; 0: 1;
                          raster paths have no more than 1 */
     unsigned aovs;    /* enum stp_aov, or-ed */
+    bool deep;        /* the picture keeps its layers one by one: stp_image.deep */
     enum stp_axis_merge axis_merge;
     double axis_h;           /* axis, blend: [0, 1), lists whose axis has more than this share of
                                 the dominant one are merged; 0: 0.85; negative: 0 */

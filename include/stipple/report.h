@@ -22,8 +22,8 @@ struct stp_report_params {
 };
 
 /* Sweeps methods and parameters over one camera and writes report.csv, report.svg, report.md and
- * error_*.png into `folder`, which must exist (docs/report.md). The scene must be prepared; its
- * grouping is as before afterwards. */
+ * samples.csv and error_*.png into `folder`, which must exist (docs/report.md). The scene must be
+ * prepared; its grouping is as before afterwards, and a transparent one may have been covered. */
 STP_API enum stp_result stp_report(const struct stp_env *env, struct stp_context *context,
                                    struct stp_scene *scene, const struct stp_camera *camera,
                                    const struct stp_report_params *params, const char *folder);

@@ -9,6 +9,11 @@
  * into command buffers that the host has begun, outside of rendering, on a queue family with
  * graphics and compute. Objects must outlive the commands that were recorded with them.
  *
+ * A lost device shows in the host's own submissions and waits, and as STP_ERROR_DEVICE of what
+ * creates; everything can be destroyed all the same, before the device. What creates fails with
+ * STP_ERROR_MEMORY or STP_ERROR_DEVICE_MEMORY where memory is out, and leaves nothing behind. To
+ * destroy what submitted commands still use is the host's mistake, and nothing here can see it.
+ *
  * Threads: a context takes one create or destroy at a time; stp_frame_record may run on any number
  * of threads at once, each with its own frame and command buffer. */
 #ifndef STIPPLE_VULKAN_H

@@ -32,6 +32,10 @@ static inline struct vec3 v3_scale(struct vec3 a, double s)
 {
     return v3(a.x * s, a.y * s, a.z * s);
 }
+static inline struct vec3 v3_product(struct vec3 a, struct vec3 b)
+{
+    return v3(a.x * b.x, a.y * b.y, a.z * b.z);
+}
 static inline double v3_dot(struct vec3 a, struct vec3 b)
 {
     return a.x * b.x + a.y * b.y + a.z * b.z;

@@ -30,6 +30,8 @@ SLOT_OFFSET(out_normal, PLAN_OUT_NORMAL);
 SLOT_OFFSET(out_depth, PLAN_OUT_DEPTH);
 SLOT_OFFSET(out_albedo, PLAN_OUT_ALBEDO);
 SLOT_OFFSET(out_id, PLAN_OUT_ID);
+SLOT_OFFSET(deep_layers, PLAN_DEEP_LAYERS);
+SLOT_OFFSET(deep_counts, PLAN_DEEP_COUNTS);
 /* Scalar layout: nothing is padded before the lights. */
 _Static_assert(offsetof(struct stp_frame_constants, rotation64) == 8 * PLAN_BUFFER_SLOTS &&
                    offsetof(struct stp_frame_constants, rotation) ==

@@ -14,7 +14,9 @@
 
 #define DEFAULT_H   0.85 /* HM 5.2 */
 #define MOST_PASSES 64   /* over blocks: parts of walks */
-_Static_assert(AXIS_BLOCK == STP_BLOCK && MOST_PASSES + 2 <= PLAN_MAX_PASSES, "blocks");
+_Static_assert(AXIS_BLOCK_WIDTH == STP_BLOCK && AXIS_BLOCK_HEIGHT == STP_AXIS_ROWS &&
+                   MOST_PASSES + 2 <= PLAN_MAX_PASSES,
+               "blocks");
 
 /* Of a grid's kernels, in the frame of the shaders: x right, y down, z forward. */
 static void set_shape(struct stp_plan *plan, const struct volume *volume)
@@ -72,16 +74,20 @@ static bool is_cut(const struct stp_plan *plan, const struct stp_scene *scene)
     return low - more < plan->camera.near_depth || high + more > plan->camera.far_depth;
 }
 
-static uint32_t parts_of(const struct stp_plan *plan)
+/* All walks in one pass, unless some block has more splats than a pass may take. */
+static bool in_parts(const struct stp_plan *plan)
 {
-    return (plan->axis_blocks.longest + STP_AXIS_PART - 1) / STP_AXIS_PART;
+    return plan->axis_blocks.fullest > STP_AXIS_PART;
 }
 
-static enum stp_result prepare_blocks(const struct stp_env *env, struct stp_plan *plan,
-                                      const struct stp_scene *scene)
+static uint32_t parts_of(const struct stp_plan *plan)
 {
-    enum stp_result result =
-        axis_blocks_build(env, scene, &plan->camera, &plan->axis, &plan->axis_blocks);
+    return (uint32_t)((plan->axis_blocks.longest + STP_AXIS_PART - 1) / STP_AXIS_PART);
+}
+
+static enum stp_result prepare_blocks(const struct stp_env *env, struct stp_plan *plan)
+{
+    enum stp_result result = axis_blocks_update(env, &plan->axis, &plan->axis_blocks);
     if (result != STP_OK)
         return result;
     plan->frame.axis.blocks_x = plan->axis_blocks.across;
@@ -89,9 +95,9 @@ static enum stp_result prepare_blocks(const struct stp_env *env, struct stp_plan
     if (parts_of(plan) * plan->axis.walk_count <= MOST_PASSES)
         return STP_OK;
     return log_error(env, STP_ERROR_ARGUMENT,
-                     "%u splats of one list lie in 8 x 8 pixels; a picture so small takes --path "
-                     "raster",
-                     plan->axis_blocks.longest);
+                     "%zu splats of one list lie in %d x %d pixels; a picture so small takes "
+                     "--path raster",
+                     plan->axis_blocks.longest, AXIS_BLOCK_WIDTH, AXIS_BLOCK_HEIGHT);
 }
 
 enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,
@@ -109,6 +115,7 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
     if (!ellipsoids)
         set_shape(plan, scene->volume);
     axis->reach2 = (float)(KERNEL_REACH * KERNEL_REACH);
+    axis->least_exponent = (float)(-0.5 * KERNEL_REACH * KERNEL_REACH / M_LN2);
     axis->least_alpha = (float)LEAST_ALPHA;
     axis->h = (float)h;
     axis->merge = (uint32_t)plan->params.axis_merge;
@@ -118,17 +125,15 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
     plan->constant[PLAN_AXIS_CUT] = is_cut(plan, scene);
     plan->constant[PLAN_UNLIT] = scene->volume->unshaded;
     plan->constant[PLAN_ELLIPSOIDS] = ellipsoids;
-    return plan->path == STP_PATH_COMPUTE && plan->axis.count ? prepare_blocks(env, plan, scene)
-                                                              : STP_OK;
+    return plan->path == STP_PATH_COMPUTE && plan->axis.count ? prepare_blocks(env, plan) : STP_OK;
 }
 
 static void name_walk(const struct stp_plan *plan, unsigned index, char *name, size_t size)
 {
     static const char *const names[] = { "+x", "-x", "+y", "-y", "+z", "-z" };
-    const struct axis_walk *walk = &plan->axis.walk[index];
     snprintf(name, size, "walk %s",
              plan->axis.merge == STP_AXIS_SORT ? "by distance"
-                                               : names[2 * walk->axis + walk->backwards]);
+                                               : names[axis_walk_bit(&plan->axis.walk[index])]);
 }
 
 static void draw_walk(struct stp_plan *plan, unsigned index)
@@ -145,8 +150,23 @@ static void draw_walk(struct stp_plan *plan, unsigned index)
     pass->first_splat = walk->first;
     pass->splat_count = walk->count;
     plan_reads(plan, pass, PLAN_PROJECTED);
+    plan_reads(plan, pass, PLAN_ORDER);
     plan_attaches(plan, pass, PLAN_IMAGE_AXIS_COLOR);
     plan_attaches(plan, pass, PLAN_IMAGE_AXIS_DEPTH);
+}
+
+/* A pass over the blocks' lists, by subgroups where they are a block's width. */
+static struct plan_pass *block_pass(struct stp_plan *plan, enum plan_shader shader,
+                                    const char *name)
+{
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
+    uint64_t blocks = plan_pixels(plan) / (STP_BLOCK * STP_AXIS_ROWS);
+    pass->shader = shader + ((plan->limits.features & STP_FEATURE_SUBGROUP_8) != 0);
+    pass->groups = (uint32_t)(blocks / (STP_GROUP / STP_BLOCK)) + 1;
+    plan_reads(plan, pass, PLAN_PROJECTED);
+    plan_reads(plan, pass, PLAN_ORDER);
+    plan_reads(plan, pass, PLAN_COUNTS);
+    return pass;
 }
 
 static void block_walk(struct stp_plan *plan, unsigned index)
@@ -154,29 +174,41 @@ static void block_walk(struct stp_plan *plan, unsigned index)
     char name[40];
     name_walk(plan, index, name, sizeof name);
     for (uint32_t part = 0; part < parts_of(plan); part++) {
-        struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
-        pass->shader = PLAN_SHADER_AXIS_BLOCK;
+        struct plan_pass *pass = block_pass(plan, PLAN_SHADER_AXIS_BLOCK_PART, name);
         pass->layer = index;
         pass->part = part;
-        pass->groups = (uint32_t)(plan_pixels(plan) / STP_GROUP / STP_BLOCK) + 1;
-        plan_reads(plan, pass, PLAN_PROJECTED);
-        plan_reads(plan, pass, PLAN_ORDER);
-        plan_reads(plan, pass, PLAN_COUNTS);
         plan_updates(plan, pass, PLAN_AXIS_SUMS);
     }
 }
 
 static void project(struct stp_plan *plan)
 {
+    uint64_t kernels = plan->facts.splats;
     plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT,
-                  plan->axis.count * (plan->constant[PLAN_ELLIPSOIDS] ? STP_ELLIPSOID_DRAWN : 2) *
-                      16);
+                  kernels * (plan->constant[PLAN_ELLIPSOIDS] ? STP_ELLIPSOID_DRAWN : 2) * 16);
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "project");
     pass->shader = PLAN_SHADER_AXIS_PROJECT;
-    pass->groups = (uint32_t)((plan->axis.count + STP_GROUP - 1) / STP_GROUP);
+    pass->groups = (uint32_t)((kernels + STP_GROUP - 1) / STP_GROUP);
     plan_reads(plan, pass, PLAN_SPLATS);
     plan_reads(plan, pass, PLAN_MATERIALS);
     plan_writes(plan, pass, PLAN_PROJECTED);
+}
+
+static void write_picture(const struct stp_plan *plan, struct plan_pass *pass)
+{
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
+    for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_DEPTH; slot++)
+        plan_writes(plan, pass, slot);
+}
+
+static void merge(struct stp_plan *plan, enum plan_shader shader)
+{
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "merge");
+    pass->shader = shader;
+    plan_reads(plan, pass, PLAN_IMAGE_AXIS_COLOR);
+    plan_reads(plan, pass, PLAN_IMAGE_AXIS_DEPTH);
+    plan_reads(plan, pass, PLAN_AXIS_SUMS);
+    write_picture(plan, pass);
 }
 
 static void raster(struct stp_plan *plan)
@@ -186,49 +218,63 @@ static void raster(struct stp_plan *plan)
     project(plan);
     for (unsigned i = 0; i < plan->axis.walk_count; i++)
         draw_walk(plan, i);
+    merge(plan, PLAN_SHADER_AXIS_MERGE);
 }
 
-static void compute(struct stp_plan *plan)
+static void compute_in_parts(struct stp_plan *plan)
 {
     plan_resource(plan, "walk sums", PLAN_AXIS_SUMS, PLAN_TRANSIENT,
                   plan_pixels(plan) * plan->axis.walk_count * 32);
     project(plan);
     for (unsigned i = 0; i < plan->axis.walk_count; i++)
         block_walk(plan, i);
+    merge(plan, PLAN_SHADER_AXIS_MERGE_SUMS);
+}
+
+static void compute(struct stp_plan *plan)
+{
+    project(plan);
+    write_picture(plan, block_pass(plan, PLAN_SHADER_AXIS_BLOCK, "walks"));
 }
 
 void plan_axis_resources(struct stp_plan *plan)
 {
     const struct axis_blocks *blocks = &plan->axis_blocks;
-    bool ellipsoids = plan->constant[PLAN_ELLIPSOIDS];
     size_t lists = plan->axis.walk_count * (size_t)blocks->across * blocks->down;
-    if (plan->axis.count)
-        plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE,
-                      plan->axis.count * (ellipsoids ? STP_ELLIPSOID : 2) * 16);
+    bool ellipsoids = plan->constant[PLAN_ELLIPSOIDS];
     if (!ellipsoids) /* which show their colours as they are */
         plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                       sizeof(struct stp_material_gpu));
-    if (!blocks->count)
+    if (!plan->axis.count)
         return;
-    plan_resource(plan, "block starts", PLAN_COUNTS, PLAN_SCENE, (lists + 1) * 4);
-    plan_resource(plan, "block splats", PLAN_ORDER, PLAN_SCENE, blocks->count * 4);
+    plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE,
+                  plan->facts.splats * (ellipsoids ? STP_ELLIPSOID : 2) * 16);
+    if (plan->path == STP_PATH_COMPUTE)
+        plan_resource(plan, "block starts", PLAN_COUNTS, PLAN_SCENE, (lists + 1) * 4);
+    plan_resource(plan, plan->path == STP_PATH_COMPUTE ? "block splats" : "lists", PLAN_ORDER,
+                  PLAN_SCENE,
+                  4 * (plan->path == STP_PATH_COMPUTE ? blocks->count : plan->axis.count));
 }
 
 void plan_axis(struct stp_plan *plan)
 {
-    bool by_raster = plan->path == STP_PATH_RASTER;
-    if (plan->axis.walk_count && by_raster)
+    if (!plan->axis.walk_count)
+        merge(plan, PLAN_SHADER_AXIS_EMPTY);
+    else if (plan->path == STP_PATH_RASTER)
         raster(plan);
-    else if (plan->axis.walk_count)
+    else if (in_parts(plan))
+        compute_in_parts(plan);
+    else
         compute(plan);
-    struct plan_pass *merge = plan_pass(plan, PLAN_DISPATCH, "merge");
-    plan_reads(plan, merge, PLAN_ENVIRONMENT);
-    merge->shader = plan->axis.walk_count == 0 ? PLAN_SHADER_AXIS_EMPTY
-                    : by_raster                ? PLAN_SHADER_AXIS_MERGE
-                                               : PLAN_SHADER_AXIS_MERGE_SUMS;
-    plan_reads(plan, merge, PLAN_IMAGE_AXIS_COLOR);
-    plan_reads(plan, merge, PLAN_IMAGE_AXIS_DEPTH);
-    plan_reads(plan, merge, PLAN_AXIS_SUMS);
-    for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_DEPTH; slot++)
-        plan_writes(plan, merge, slot);
+}
+
+void plan_axis_forget(struct stp_plan *plan)
+{
+    struct axis_lists *lists = &plan->axis;
+    lists->order = NULL;
+    lists->mask = lists->open = NULL;
+    lists->span = NULL;
+    for (int a = 0; a < 3; a++)
+        lists->sheets[a] = (struct axis_sheets){ 0 };
+    plan->axis_blocks.first = plan->axis_blocks.entry = NULL;
 }

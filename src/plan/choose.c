@@ -251,6 +251,8 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     enum stp_result result = choose_share(env, plan);
     if (result == STP_OK)
         result = plan_choose_transparency(env, plan);
+    if (result == STP_OK)
+        result = plan_deep_check(env, plan);
     if (result != STP_OK)
         return result;
     plan->method = resolve_method(&plan->facts, &plan->params, &plan->limits);

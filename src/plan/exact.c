@@ -86,6 +86,7 @@ static void mend(struct stp_plan *plan)
     plan_splat(plan, "mend sum", PLAN_SHADER_MEND_SUM, PLAN_SHADER_MEND_SUM_LARGE, true, touched);
     plan_resolve(plan, "mend layer", PLAN_SHADER_MEND_LAYER, true, touched);
     plan->pass[plan->pass_count - 1].offset = STP_WORK_REPAIR_BLOCKS * 4;
+    plan_deep_write(plan);
 }
 
 void plan_exact(struct stp_plan *plan)
@@ -96,12 +97,14 @@ void plan_exact(struct stp_plan *plan)
     if (plan->constant[PLAN_KEY_IDS])
         plan_resource(plan, "slot ids", PLAN_SLOT_IDS, PLAN_TRANSIENT, pixels * STP_SLOTS * 4);
     plan_fill(plan, PLAN_COUNTS, 0, "clear counts");
+    plan_deep_begin(plan);
     const enum plan_slot touched[] = { PLAN_KEYS, PLAN_SLOT_IDS, PLAN_COUNTS, PLAN_SLOTS };
     plan_splat(plan, "slots", PLAN_SHADER_EXACT_SLOTS, PLAN_SHADER_EXACT_SLOTS_LARGE, false,
                touched);
     plan_blocks(plan);
     if (plan->transparency == STP_TRANSPARENCY_EXACT) {
         plan_resolve(plan, "layers", PLAN_SHADER_EXACT_LAYERS, false, touched);
+        plan_deep_write(plan);
         mend(plan);
         return;
     }

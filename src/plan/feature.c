@@ -17,6 +17,8 @@ const char *stp_feature_name(enum stp_feature feature)
         return "storage-formats";
     case STP_FEATURE_SHARED_MEMORY:
         return "shared-memory";
+    case STP_FEATURE_SUBGROUP_8:
+        return "subgroup-8";
     case STP_FEATURE_INDEPENDENT_BLEND:
         return "independent-blend";
     }

@@ -76,7 +76,8 @@ static enum stp_result fill(const struct stp_env *env, struct stp_plan *plan,
         result = plan_axis_prepare(env, plan, scene);
     if (result != STP_OK)
         return result;
-    plan->frame.axis.splats = (uint32_t)plan->axis.count;
+    if (plan->method == STP_METHOD_AXIS)
+        plan->frame.axis.splats = (uint32_t)plan->facts.splats;
     if (plan_covers(plan))
         cover_ranges(plan, scene);
     else if (plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED)
@@ -179,8 +180,7 @@ enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan
     memcpy(tiles, plan->tile, plan->tile_count * sizeof *tiles);
     made->tile = tiles;
     /* Recording needs no lists: uploading does, from the plan itself. */
-    made->axis.order = NULL;
-    made->axis_blocks.first = made->axis_blocks.entry = NULL;
+    plan_axis_forget(made);
     if (plan->params.background)
         made->params.background = made->background;
     *copy = made;

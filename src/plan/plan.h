@@ -11,7 +11,7 @@
 
 #define PLAN_MAX_RESOURCES 32
 #define PLAN_MAX_PASSES    72 /* STP_MAX_GROUPS layers, and what comes after them */
-#define PLAN_MAX_ACCESSES  16
+#define PLAN_MAX_ACCESSES  20
 #define PLAN_NONE          255
 #define PLAN_MAX_CHUNKS    256
 
@@ -49,6 +49,7 @@ enum plan_constant {
     PLAN_MIXED,   /* some splats are opaque, in a scene that is transparent */
     PLAN_OPTICS,
     PLAN_HOST_DEPTH, /* enum plan_host_depth */
+    PLAN_DEEP,       /* layers are kept one by one */
     PLAN_ELLIPSOIDS, /* axis: every kernel has its own shape, and together they are a surface */
     PLAN_CONSTANTS
 };
@@ -93,6 +94,8 @@ enum plan_slot {
     PLAN_OUT_DEPTH,
     PLAN_OUT_ALBEDO,
     PLAN_OUT_ID,
+    PLAN_DEEP_LAYERS,
+    PLAN_DEEP_COUNTS,
     PLAN_BUFFER_SLOTS, /* the frame block's addresses, in order, end here */
     PLAN_IMAGE_ID = PLAN_BUFFER_SLOTS,
     PLAN_IMAGE_DEPTH,
@@ -209,7 +212,10 @@ enum plan_shader {
     PLAN_SHADER_AXIS_PROJECT,
     PLAN_SHADER_AXIS_VERTEX,
     PLAN_SHADER_AXIS_FRAGMENT,
-    PLAN_SHADER_AXIS_BLOCK,
+    PLAN_SHADER_AXIS_BLOCK, /* then by subgroups; then of one walk and part; so below */
+    PLAN_SHADER_AXIS_BLOCK_GROUPED,
+    PLAN_SHADER_AXIS_BLOCK_PART,
+    PLAN_SHADER_AXIS_BLOCK_PART_GROUPED,
     PLAN_SHADER_AXIS_MERGE,
     PLAN_SHADER_AXIS_MERGE_SUMS,
     PLAN_SHADER_AXIS_EMPTY,
@@ -420,6 +426,8 @@ void plan_axis(struct stp_plan *plan);
 
 /* Their kernels, and by compute the blocks that they touch. */
 void plan_axis_resources(struct stp_plan *plan);
+/* Of a copy: the lists' arrays are the original's. */
+void plan_axis_forget(struct stp_plan *plan);
 
 /* plan/axis.c: the lists of the view, and what shaders need to know of the kernels. */
 enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,
@@ -450,6 +458,13 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
 void plan_move(struct stp_plan *plan, const struct stp_camera *camera);
 /* frame.depth_bits when the whole scene is in view, which is the worst that a camera can do. */
 uint32_t plan_least_depth_bits(const struct stp_plan *plan);
+
+/* plan/deep.c: refuses what no deep picture can be made of. */
+enum stp_result plan_deep_check(const struct stp_env *env, struct stp_plan *plan);
+/* What exact's layers are kept in, and, of the last pass, that it puts them there; nothing where
+ * they are not kept. */
+void plan_deep_begin(struct stp_plan *plan);
+void plan_deep_write(struct stp_plan *plan);
 
 /* plan/environment.c: whether this picture needs the scene's environment, and what of it. */
 void plan_environment(struct stp_plan *plan, const struct stp_scene *scene);

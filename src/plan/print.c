@@ -16,7 +16,7 @@ static const char *const constant_names[PLAN_CONSTANTS] = {
     "local_viewer", "background",   "aovs",      "squarings",   "repair",          "slot_ids",
     "atomic64",     "layered",      "float64",   "sample_grid", "lanes",           "axis_walks",
     "axis_cut",     "unlit",        "axis_walk", "axis_part",   "opacity",         "mixed",
-    "optics",       "host_depth",
+    "optics",       "host_depth",   "deep",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)

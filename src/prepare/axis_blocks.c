@@ -1,143 +1,132 @@
 #include "prepare/axis_blocks.h"
 
+#include <string.h>
+
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
-#include "prepare/axis_region.h"
 
-#define RUNS                                                                                       \
-    16 /* of a walk's list, counted and filled apart; a block's entries are theirs in turn */
+/* Of a walk's list, counted and filled apart; a block's entries are theirs in turn. */
+#define RUNS 16
 
 struct blocking {
     const struct axis_lists *lists;
-    const struct axis_walk *walk;
-    struct axis_view view;
-    struct axis_region region;
-    bool everywhere; /* the walk serves every pixel */
     struct axis_blocks *blocks;
-    uint8_t *open;  /* of each block: the walk has a weight in it */
-    size_t *cursor; /* RUNS x blocks: counts, then where to write next */
+    uint32_t *cursor; /* walks x RUNS x blocks: counts, then where to write next */
     bool fill;
 };
 
-static void enter(const struct blocking *b, size_t run, uint32_t place)
+static void enter_run(const struct blocking *b, const struct axis_walk *walk, uint32_t *cursor,
+                      size_t from, size_t to)
 {
-    struct axis_blocks *blocks = b->blocks;
-    size_t *cursor = b->cursor + run * blocks->across * blocks->down;
-    struct axis_rectangle r;
-    struct axis_kernel kernel;
-    axis_kernel(&b->view, b->lists->order[place], &kernel);
-    if (!axis_pixels(kernel.view, kernel.centre, &r))
-        return;
-    for (int64_t y = r.y0 / AXIS_BLOCK; y <= r.y1 / AXIS_BLOCK; y++)
-        for (int64_t x = r.x0 / AXIS_BLOCK; x <= r.x1 / AXIS_BLOCK; x++) {
-            size_t block = (size_t)y * blocks->across + (size_t)x;
-            if (!b->open[block])
-                continue;
-            if (b->fill)
-                blocks->entry[cursor[block]] = place;
-            cursor[block]++;
-        }
+    const struct axis_lists *lists = b->lists;
+    unsigned bit = axis_walk_bit(walk);
+    for (size_t i = from; i < to; i++) {
+        uint32_t kernel = lists->order[i];
+        struct axis_span r = lists->span[kernel];
+        for (unsigned y = r.y0 / AXIS_BLOCK_HEIGHT; y <= r.y1 / AXIS_BLOCK_HEIGHT; y++)
+            for (unsigned x = r.x0 / AXIS_BLOCK_WIDTH; x <= r.x1 / AXIS_BLOCK_WIDTH; x++) {
+                size_t block = (size_t)y * lists->blocks_x + x;
+                if (!(lists->open[block] >> bit & 1))
+                    continue;
+                uint32_t at = cursor[block]++;
+                if (b->fill)
+                    b->blocks->entry[at] = kernel;
+            }
+    }
 }
 
 static void enter_runs(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct blocking *b = context;
-    size_t length = (b->walk->count + RUNS - 1) / RUNS;
-    for (size_t run = begin; run < end; run++)
-        for (size_t i = run * length; i < (run + 1) * length && i < b->walk->count; i++)
-            enter(b, run, b->walk->first + (uint32_t)i);
-}
-
-static void open_blocks(struct blocking *b)
-{
-    const struct axis_blocks *blocks = b->blocks;
-    for (size_t i = 0; i < (size_t)blocks->across * blocks->down; i++) {
-        int64_t x = (int64_t)(i % blocks->across) * AXIS_BLOCK;
-        int64_t y = (int64_t)(i / blocks->across) * AXIS_BLOCK;
-        const struct axis_rectangle r = { x, x + AXIS_BLOCK - 1, y, y + AXIS_BLOCK - 1 };
-        b->open[i] = b->everywhere || axis_region_reaches(&b->region, &r);
+    size_t blocks = (size_t)b->blocks->across * b->blocks->down;
+    for (size_t n = begin; n < end; n++) {
+        const struct axis_walk *walk = &b->lists->walk[n / RUNS];
+        size_t length = (walk->count + RUNS - 1) / RUNS, run = n % RUNS;
+        size_t from = run * length < walk->count ? run * length : walk->count;
+        size_t to = from + length < walk->count ? from + length : walk->count;
+        enter_run(b, walk, b->cursor + n * blocks, walk->first + from, walk->first + to);
     }
 }
 
 /* Counts to places, block by block and run by run within a block. */
-static void place_runs(struct blocking *b, size_t walk)
+static void place_runs(struct blocking *b)
 {
     struct axis_blocks *blocks = b->blocks;
-    size_t count = (size_t)blocks->across * blocks->down;
-    for (size_t i = 0; i < count; i++) {
+    size_t count = (size_t)blocks->across * blocks->down, walks = b->lists->walk_count;
+    blocks->count = blocks->longest = blocks->fullest = 0;
+    for (size_t n = 0; n < walks * count; n++) {
         size_t before = blocks->count;
-        blocks->first[walk * count + i] = (uint32_t)before;
+        blocks->first[n] = (uint32_t)before;
         for (size_t run = 0; run < RUNS; run++) {
-            size_t *cursor = &b->cursor[run * count + i], own = *cursor;
-            *cursor = blocks->count;
+            uint32_t *cursor = &b->cursor[(n / count * RUNS + run) * count + n % count];
+            uint32_t own = *cursor;
+            *cursor = (uint32_t)blocks->count;
             blocks->count += own;
         }
         if (blocks->count - before > blocks->longest)
-            blocks->longest = (uint32_t)(blocks->count - before);
+            blocks->longest = blocks->count - before;
     }
-    blocks->first[(walk + 1) * count] = (uint32_t)blocks->count;
+    blocks->first[walks * count] = (uint32_t)blocks->count;
 }
 
-static enum stp_result build_walk(const struct stp_env *env, struct blocking *b, size_t walk)
+static void find_fullest(struct axis_blocks *blocks, size_t walks)
+{
+    size_t count = (size_t)blocks->across * blocks->down;
+    for (size_t block = 0; block < count; block++) {
+        size_t sum = 0;
+        for (size_t w = 0; w < walks; w++)
+            sum += blocks->first[w * count + block + 1] - blocks->first[w * count + block];
+        if (sum > blocks->fullest)
+            blocks->fullest = sum;
+    }
+}
+
+static enum stp_result make_room(const struct stp_env *env, uint32_t **array, size_t *room,
+                                 size_t count)
+{
+    if (count <= *room)
+        return STP_OK;
+    mem_free(*array);
+    *array = mem_alloc(count, sizeof **array);
+    *room = *array ? count : 0;
+    return *array ? STP_OK : log_no_memory(env, count * sizeof **array, "the blocks' lists");
+}
+
+static enum stp_result enter(const struct stp_env *env, struct blocking *b)
 {
     struct axis_blocks *blocks = b->blocks;
-    size_t cursors = RUNS * (size_t)blocks->across * blocks->down;
-    b->fill = false;
-    for (size_t i = 0; i < cursors; i++)
-        b->cursor[i] = 0;
-    open_blocks(b);
-    parallel_for(env, RUNS, 1, enter_runs, b);
-    place_runs(b, walk);
+    size_t walks = b->lists->walk_count;
+    parallel_for(env, walks * RUNS, 1, enter_runs, b);
+    place_runs(b);
+    find_fullest(blocks, walks);
     if (blocks->count > UINT32_MAX)
         return log_error(env, STP_ERROR_MEMORY, "%zu splats in the blocks' lists: at most 2^32 - 1",
                          blocks->count);
-    uint32_t *grown = mem_realloc(blocks->entry, blocks->count, sizeof *grown);
-    if (!grown)
-        return log_no_memory(env, blocks->count * sizeof *grown, "the blocks' lists");
-    blocks->entry = grown;
+    enum stp_result result = make_room(env, &blocks->entry, &blocks->room, blocks->count);
     b->fill = true;
-    parallel_for(env, RUNS, 1, enter_runs, b);
-    return STP_OK;
-}
-
-static enum stp_result build(const struct stp_env *env, struct blocking *b)
-{
-    struct axis_blocks *blocks = b->blocks;
-    size_t count = (size_t)blocks->across * blocks->down;
-    blocks->first = mem_zalloc(b->lists->walk_count * count + 1, sizeof *blocks->first);
-    b->cursor = mem_alloc(RUNS * count, sizeof *b->cursor);
-    b->open = mem_alloc(count, 1);
-    if (!blocks->first || !b->cursor || !b->open)
-        return log_no_memory(env, RUNS * count * sizeof *b->cursor, "the blocks' lists");
-    struct axis_rays rays = axis_rays(b->view.camera);
-    enum stp_result result = STP_OK;
-    for (size_t walk = 0; result == STP_OK && walk < b->lists->walk_count; walk++) {
-        b->walk = &b->lists->walk[walk];
-        b->region = axis_region(&rays, b->lists, b->walk);
-        result = build_walk(env, b, walk);
-    }
+    if (result == STP_OK)
+        parallel_for(env, walks * RUNS, 1, enter_runs, b);
     return result;
 }
 
-enum stp_result axis_blocks_build(const struct stp_env *env, const struct stp_scene *scene,
-                                  const struct stp_camera *camera, const struct axis_lists *lists,
-                                  struct axis_blocks *blocks)
+enum stp_result axis_blocks_update(const struct stp_env *env, const struct axis_lists *lists,
+                                   struct axis_blocks *blocks)
 {
-    struct axis_blocks made = { .across = (camera->width + AXIS_BLOCK - 1) / AXIS_BLOCK,
-                                .down = (camera->height + AXIS_BLOCK - 1) / AXIS_BLOCK };
+    size_t count = lists->walk_count * (size_t)lists->blocks_x * lists->blocks_y;
     struct blocking b = { .lists = lists,
-                          .view = axis_view(scene, camera),
-                          .everywhere =
-                              lists->merge == STP_AXIS_SINGLE || lists->merge == STP_AXIS_SORT,
-                          .blocks = &made };
-    enum stp_result result = build(env, &b);
-    mem_free(b.cursor);
-    mem_free(b.open);
+                          .blocks = blocks,
+                          .cursor = mem_zalloc(RUNS * count + 1, sizeof *b.cursor) };
+    blocks->across = lists->blocks_x;
+    blocks->down = lists->blocks_y;
+    enum stp_result result = make_room(env, &blocks->first, &blocks->lists, count + 1);
+    if (!b.cursor)
+        result = log_no_memory(env, RUNS * count * sizeof *b.cursor, "the blocks' lists");
     if (result == STP_OK)
-        *blocks = made;
-    else
-        axis_blocks_release(&made);
+        result = enter(env, &b);
+    mem_free(b.cursor);
+    if (result != STP_OK)
+        axis_blocks_release(blocks);
     return result;
 }
 

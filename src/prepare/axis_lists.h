@@ -21,6 +21,18 @@ struct axis_walk {
     uint32_t first, count; /* of axis_lists.order */
 };
 
+/* Kernels by their sheets across an axis: the same for every view, made when one first asks.
+ * Ellipsoids are one sheet, ascending along the axis. */
+struct axis_sheets {
+    uint32_t *first;  /* of each sheet, and the end; NULL: nobody has asked yet */
+    uint32_t *kernel; /* ascending within a sheet; NULL: the kernels' own order, as across z */
+};
+
+/* Pixels whose centres lie within a kernel's box, all included. */
+struct axis_span {
+    uint16_t x0, x1, y0, y1;
+};
+
 struct axis_lists {
     enum stp_axis_merge merge;
     double h;
@@ -29,7 +41,19 @@ struct axis_lists {
     uint32_t *order; /* kernels of all walks, one walk after the other, each far to near */
     size_t count;
     size_t visible; /* kernels in any list */
+    /* What the next view takes over: of each kernel the walks that draw it, by axis_walk_bit, and,
+     * where there are any, its pixels; of each block of pixels the walks with a weight in it. */
+    uint8_t *mask;
+    struct axis_span *span;
+    uint32_t blocks_x, blocks_y;
+    uint8_t *open;
+    size_t room; /* of order */
+    struct axis_sheets sheets[3];
 };
+
+/* Blocks of pixels: what a list is cut into, and what is asked at once of the walks' regions. */
+#define AXIS_BLOCK_WIDTH  8
+#define AXIS_BLOCK_HEIGHT 4
 
 /* The weight of a walk on a ray of world direction v (HM 5.2): (v_axis / max - h) / (1 - h), or 0.
  * Clip: 1 where it is the dominant one, the first of equal ones. */
@@ -42,6 +66,21 @@ double axis_weight(const struct axis_lists *lists, const struct axis_walk *walk,
 enum stp_result axis_lists_build(const struct stp_env *env, const struct stp_scene *scene,
                                  const struct stp_camera *camera, enum stp_axis_merge merge,
                                  double h, struct axis_lists *lists);
+/* The same for another view, and all that a changed camera takes: what does not depend on the view,
+ * and memory, are kept. merge and h are those of the lists. On failure they are empty. */
+enum stp_result axis_lists_update(const struct stp_env *env, const struct stp_scene *scene,
+                                  const struct stp_camera *camera, struct axis_lists *lists);
 void axis_lists_release(struct axis_lists *lists);
+
+/* Walks by their bits in axis_lists.mask and .open. */
+static inline unsigned axis_walk_bit(const struct axis_walk *walk)
+{
+    return 2u * walk->axis + walk->backwards;
+}
+
+/* axis_sift.c: mask, span and open of a view; lists->room and the rest stay. */
+enum stp_result axis_sift(const struct stp_env *env, const struct stp_scene *scene,
+                          const struct stp_camera *camera, struct axis_lists *lists);
+unsigned axis_dominant(struct vec3 v); /* the first of equal ones */
 
 #endif

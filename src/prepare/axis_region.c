@@ -222,21 +222,46 @@ static struct vec3 whitened(const struct axis_view *view, struct vec3 v)
               v3_dot(v3_load(view->white[2]), v));
 }
 
-/* In the space where the kernel is the unit Gaussian. */
+/* A ray in the space where the kernel is the unit Gaussian. */
+struct approach {
+    double a;    /* squared length of the ray's direction */
+    double peak; /* where it is nearest */
+    double m2;   /* how near, squared */
+};
+
+static struct approach approach(const struct axis_view *view, const double centre[3], struct vec3 v,
+                                double px, double py)
+{
+    struct vec3 s = axis_ray(&view->starts, px, py);
+    struct vec3 u = whitened(view, v), e = whitened(view, v3_sub(s, v3_load(centre)));
+    double a = v3_dot(u, u), peak = -v3_dot(e, u) / a;
+    struct vec3 d = v3_add(e, v3_scale(u, peak));
+    return (struct approach){ a, peak, v3_dot(d, d) };
+}
+
+bool axis_nearly_meets(const struct axis_view *view, const double centre[3], double peak, double px,
+                       double py)
+{
+    struct approach n = approach(view, centre, axis_ray(&view->rays, px, py), px, py);
+    /* At least half of the integral is seen, exp(-m2 / 2) >= 1 - m2 / 2, and 1 - exp(-x) is at
+     * least x (1 - x / 2). */
+    return n.m2 <= 1 && n.peak >= view->camera->near_depth && n.peak <= view->camera->far_depth &&
+           0.5 * peak * (1 - 0.5 * n.m2) >= 1.001 * LEAST_ALPHA;
+}
+
 bool axis_hits(const struct axis_view *view, const double centre[3], double tau, double px,
                double py)
 {
     const struct stp_camera *camera = view->camera;
-    struct vec3 v = axis_ray(&view->rays, px, py), s = axis_ray(&view->starts, px, py);
-    struct vec3 u = whitened(view, v), e = whitened(view, v3_sub(s, v3_load(centre)));
-    double a = v3_dot(u, u), peak = -v3_dot(e, u) / a;
-    struct vec3 d = v3_add(e, v3_scale(u, peak));
-    double m2 = v3_dot(d, d), t = fmin(fmax(peak, camera->near_depth), camera->far_depth);
-    if (m2 + a * (t - peak) * (t - peak) > KERNEL_REACH * KERNEL_REACH)
+    struct vec3 v = axis_ray(&view->rays, px, py);
+    struct approach n = approach(view, centre, v, px, py);
+    double t = fmin(fmax(n.peak, camera->near_depth), camera->far_depth);
+    if (n.m2 + n.a * (t - n.peak) * (t - n.peak) > KERNEL_REACH * KERNEL_REACH)
         return false;
-    double root = sqrt(0.5 * a);
-    double share =
-        0.5 * (erfc((camera->near_depth - peak) * root) - erfc((camera->far_depth - peak) * root));
-    double integral = view->amplitude * v3_length(v) * sqrt(2 * M_PI / a) * exp(-0.5 * m2) * share;
+    double root = sqrt(0.5 * n.a);
+    double share = 0.5 * (erfc((camera->near_depth - n.peak) * root) -
+                          erfc((camera->far_depth - n.peak) * root));
+    double integral =
+        view->amplitude * v3_length(v) * sqrt(2 * M_PI / n.a) * exp(-0.5 * n.m2) * share;
     return -expm1(-tau * integral) >= LEAST_ALPHA;
 }

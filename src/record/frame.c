@@ -293,6 +293,8 @@ void record_frame_destroy(struct record_frame *frame)
     for (uint32_t i = 0; i < PLAN_MAX_RESOURCES; i++)
         gpu_buffer_destroy(c, &frame->read_back[i]);
     gpu_buffer_destroy(c, &frame->remaining);
+    axis_lists_release(&frame->axis);
+    axis_blocks_release(&frame->axis_blocks);
     record_resources_destroy(c, &frame->resources);
     gpu_block_destroy(c, &frame->scratch);
     *frame = (struct record_frame){ 0 };

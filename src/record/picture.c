@@ -78,7 +78,7 @@ struct copying {
     uint32_t *ids;
 };
 
-static const void *output(const struct record_frame *frame, enum plan_slot slot)
+const void *record_output(const struct record_frame *frame, enum plan_slot slot)
 {
     uint8_t i = plan_find(frame->plan, slot);
     if (i == PLAN_NONE)
@@ -164,7 +164,7 @@ static void copy_pixel(const struct copying *c, size_t from, size_t at, uint32_t
         c->ids[at] = hit ? input_of(c, id[0], many ? id[2] : 0) : STP_NO_ID;
 }
 
-static enum stp_result invalidate(const struct stp_env *env, struct record_frame *frame)
+enum stp_result record_invalidate(const struct stp_env *env, struct record_frame *frame)
 {
     struct stp_context *c = frame->context;
     for (uint32_t i = 0; i < frame->plan->resource_count; i++) {
@@ -189,14 +189,14 @@ enum stp_result record_read_back(const struct stp_env *env, struct record_frame 
     struct copying c = { .frame = frame,
                          .plan = frame->plan,
                          .scene = scene,
-                         .color = output(frame, PLAN_OUT_COLOR),
-                         .normal = output(frame, PLAN_OUT_NORMAL),
-                         .depth = output(frame, PLAN_OUT_DEPTH),
-                         .albedo = output(frame, PLAN_OUT_ALBEDO),
-                         .id = output(frame, PLAN_OUT_ID),
+                         .color = record_output(frame, PLAN_OUT_COLOR),
+                         .normal = record_output(frame, PLAN_OUT_NORMAL),
+                         .depth = record_output(frame, PLAN_OUT_DEPTH),
+                         .albedo = record_output(frame, PLAN_OUT_ALBEDO),
+                         .id = record_output(frame, PLAN_OUT_ID),
                          .grid = frame->plan->constant[PLAN_SAMPLE_GRID] };
     c.id_words = plan_id_words(frame->plan);
-    enum stp_result result = invalidate(env, frame);
+    enum stp_result result = record_invalidate(env, frame);
     if (result != STP_OK)
         return result;
     find_planes(&c, image);

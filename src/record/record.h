@@ -6,6 +6,7 @@
 #include <stipple/machines.h>
 
 #include "passes/passes.h"
+#include "scene/deep.h"
 
 struct splats;
 struct stp_scene;
@@ -20,6 +21,15 @@ struct record_pipelines {
     VkPipeline host; /* the last pass of a host's frame */
 };
 
+/* Of a deep picture: the layers that have been read so far. */
+struct record_deep {
+    struct deep_list list;
+    uint32_t *taken;     /* of each pixel of a tile; NULL: none are kept */
+    uint32_t first;      /* of the window */
+    bool more;           /* some pixel has layers behind the window */
+    const float *layers; /* what the device keeps */
+};
+
 struct record_frame {
     const struct stp_plan *plan;
     struct stp_context *context;
@@ -30,6 +40,9 @@ struct record_frame {
     struct gpu_buffer remaining;                     /* STP_WORK_REMAINING, where the plan loops */
     VkQueryPool queries;                             /* RECORD_MAX_STEPS + 1; may be null */
     struct record_share *share;                      /* NULL: one process makes the picture */
+    struct axis_lists axis;                          /* of record_view */
+    struct axis_blocks axis_blocks;
+    struct record_deep *deep; /* NULL: layers are not read */
 };
 
 /* resources.c: buffers and images of the lifetimes in `wanted` (1 << enum plan_lifetime, or-ed);
@@ -76,6 +89,15 @@ bool record_upload_points(const struct stp_env *env, struct record_frame *frame,
                           size_t count, enum stp_result *result);
 /* 32 bits of an octahedral map, as unpackSnorm2x16 reads them. */
 uint32_t record_octahedral(const float n[3]);
+
+/* axis.c: the lists of a view, or of its blocks, into the frame's buffers. */
+enum stp_result record_lists(const struct stp_env *env, struct record_frame *frame,
+                             const struct axis_lists *lists, const struct axis_blocks *blocks);
+/* What a changed camera takes of the CPU before a frame of a volume: its lists made again and
+ * handed to the device. For frames that are timed; the camera is the plan's, so that the lists are
+ * the ones that lie there. Nothing for other methods. */
+enum stp_result record_view(const struct stp_env *env, struct record_frame *frame,
+                            const struct stp_scene *scene);
 
 /* exchange.c: what several processes need beside a frame. */
 struct record_share {
@@ -163,11 +185,32 @@ enum stp_result record_read_back(const struct stp_env *env, struct record_frame 
                                  const struct stp_scene *scene, const struct plan_tile *tile,
                                  struct stp_image *image);
 
+/* What the host reads of an output; NULL: the plan has none. First whatever was written there is
+ * made visible to it. */
+const void *record_output(const struct record_frame *frame, enum plan_slot slot);
+enum stp_result record_invalidate(const struct stp_env *env, struct record_frame *frame);
+
+/* deep.c: nothing is allocated where the plan keeps no layers. */
+enum stp_result record_deep_create(const struct stp_env *env, const struct stp_plan *plan,
+                                   struct record_deep *deep);
+void record_deep_destroy(struct record_deep *deep);
+/* A tile is rendered once for each window of its rays' layers: begin, take after every part that
+ * was run (loops: it was turns of mending), and again while there is a next. */
+void record_deep_begin(struct record_deep *deep, const struct plan_tile *tile);
+enum stp_result record_deep_take(const struct stp_env *env, struct record_frame *frame,
+                                 const struct plan_tile *tile, bool loops);
+bool record_deep_next(struct record_deep *deep);
+enum stp_result record_deep_finish(const struct stp_env *env, const struct record_deep *deep,
+                                   struct stp_image *image);
+
 /* render.c: all tiles once, from record to fence; *ms leaves reading back apart. image NULL:
  * nothing is read. The scene must have been uploaded. */
 enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
                            const struct stp_scene *scene, struct stp_image *image, double *ms,
                            double *read_back_ms);
+/* A warm frame of a changed camera: with what the CPU does for it, and nothing is read. */
+enum stp_result record_again(const struct stp_env *env, struct record_frame *frame,
+                             const struct stp_scene *scene, double *ms);
 /* What the plan's shaders were chosen for must be enabled on this device. */
 enum stp_result record_check_features(const struct stp_env *env, const struct stp_context *context,
                                       const struct stp_plan *plan);

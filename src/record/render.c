@@ -1,5 +1,6 @@
 #include "record/record.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <time.h>
@@ -102,7 +103,8 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
     bool remaining = false;
     for (uint32_t part = 0; result == STP_OK && part < parts;) {
         bool loops = record_steps(frame->plan, part).loops;
-        if (loops && !remaining) {
+        /* Later windows are of rays that are not mended: those are done with the first. */
+        if (loops && (!remaining || (frame->deep && frame->deep->first > 0))) {
             part++;
             continue;
         }
@@ -116,12 +118,24 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
             result = exchange(env, frame, scene, part, pass_ms, result);
         if (result == STP_OK)
             result = read_remaining(env, frame, &remaining);
+        if (result == STP_OK && frame->deep)
+            result = record_deep_take(env, frame, tile, loops);
         part += !loops;
         if (frame->plan->chunk_count && !pass_ms)
             log_progress(env, "render",
                          ((double)(tile - frame->plan->tile) + (double)part / parts) /
                              frame->plan->tile_count);
     }
+    return result;
+}
+
+/* The windows of a tile's layers behind the first; the picture has been read. */
+static enum stp_result run_windows(const struct stp_env *env, struct record_frame *frame,
+                                   const struct stp_scene *scene, const struct plan_tile *tile)
+{
+    enum stp_result result = STP_OK;
+    while (result == STP_OK && record_deep_next(frame->deep))
+        result = run_tile(env, frame, scene, tile, NULL);
     return result;
 }
 
@@ -138,6 +152,8 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
     *read_back_ms = 0;
     for (uint32_t i = 0; i < plan->tile_count; i++) {
         double start = now_ms();
+        if (frame->deep)
+            record_deep_begin(frame->deep, &plan->tile[i]);
         enum stp_result result = run_tile(env, frame, scene, &plan->tile[i], NULL);
         if (result != STP_OK)
             return result;
@@ -145,6 +161,8 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
         *ms += end - start;
         if (image) {
             result = record_read_back(env, frame, scene, &plan->tile[i], image);
+            if (result == STP_OK && frame->deep)
+                result = run_windows(env, frame, scene, &plan->tile[i]);
             if (result != STP_OK)
                 return result;
             *read_back_ms += now_ms() - end;
@@ -154,7 +172,39 @@ enum stp_result record_run(const struct stp_env *env, struct record_frame *frame
     return STP_OK;
 }
 
+enum stp_result record_again(const struct stp_env *env, struct record_frame *frame,
+                             const struct stp_scene *scene, double *ms)
+{
+    double unused, start = now_ms();
+    enum stp_result result = record_view(env, frame, scene);
+    double view = now_ms() - start;
+    if (result == STP_OK)
+        result = record_run(env, frame, scene, NULL, ms, &unused);
+    *ms += view;
+    return result;
+}
+
 #define PROFILED 5
+
+/* What a view takes of the CPU, as a pass before the others. */
+static enum stp_result profile_view(const struct stp_env *env, struct record_frame *frame,
+                                    const struct stp_scene *scene, struct stp_render_stats *stats)
+{
+    double ms[PROFILED];
+    if (frame->plan->method != STP_METHOD_AXIS || stats->pass_count == STP_MAX_PASSES)
+        return STP_OK;
+    for (unsigned f = 0; f < PROFILED; f++) {
+        double start = now_ms();
+        enum stp_result result = record_view(env, frame, scene);
+        if (result != STP_OK)
+            return result;
+        ms[f] = now_ms() - start;
+    }
+    struct stp_pass_time *pass = &stats->pass[stats->pass_count++];
+    snprintf(pass->name, sizeof pass->name, "lists, on the CPU");
+    pass->milliseconds = median(ms, PROFILED);
+    return STP_OK;
+}
 
 /* A few more frames with a timestamp and a full barrier after every pass: the medians. */
 enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
@@ -178,17 +228,17 @@ enum stp_result record_profile(const struct stp_env *env, struct record_frame *f
         memcpy(stats->pass[i].name, plan->pass[i].name, sizeof plan->pass[i].name);
         stats->pass[i].milliseconds = median(column, PROFILED);
     }
-    return STP_OK;
+    return profile_view(env, frame, scene, stats);
 }
 
 static enum stp_result time_frames(const struct stp_env *env, struct record_frame *frame,
                                    const struct stp_scene *scene, unsigned repeat,
                                    struct stp_render_stats *stats)
 {
-    double unused, *ms = mem_alloc(repeat, sizeof *ms);
+    double *ms = mem_alloc(repeat, sizeof *ms);
     enum stp_result result = ms ? STP_OK : log_no_memory(env, repeat * sizeof *ms, "times");
     for (unsigned i = 0; result == STP_OK && i < repeat; i++)
-        result = record_run(env, frame, scene, NULL, &ms[i], &unused);
+        result = record_again(env, frame, scene, &ms[i]);
     if (result == STP_OK) {
         stats->frames = repeat;
         stats->frame_ms_median = median(ms, repeat);
@@ -200,6 +250,23 @@ static enum stp_result time_frames(const struct stp_env *env, struct record_fram
     return result;
 }
 
+/* The first frame, with all that is read of it. */
+static enum stp_result run_first(const struct stp_env *env, struct record_frame *frame,
+                                 const struct stp_scene *scene, struct stp_image *image,
+                                 struct stp_render_stats *stats)
+{
+    struct record_deep deep;
+    enum stp_result result = record_deep_create(env, frame->plan, &deep);
+    frame->deep = deep.taken ? &deep : NULL;
+    if (result == STP_OK)
+        result = record_run(env, frame, scene, image, &stats->first_frame_ms, &stats->read_back_ms);
+    if (result == STP_OK && frame->deep)
+        result = record_deep_finish(env, &deep, image);
+    frame->deep = NULL;
+    record_deep_destroy(&deep);
+    return result;
+}
+
 static enum stp_result run(const struct stp_env *env, struct record_frame *frame,
                            const struct stp_scene *scene, unsigned repeat, struct stp_image *image,
                            struct stp_render_stats *stats)
@@ -208,7 +275,7 @@ static enum stp_result run(const struct stp_env *env, struct record_frame *frame
     enum stp_result result = record_upload(env, frame, scene);
     stats->upload_ms = now_ms() - start;
     if (result == STP_OK)
-        result = record_run(env, frame, scene, image, &stats->first_frame_ms, &stats->read_back_ms);
+        result = run_first(env, frame, scene, image, stats);
     if (result == STP_OK && repeat)
         result = time_frames(env, frame, scene, repeat, stats);
     if (result == STP_OK && frame->context->messages)

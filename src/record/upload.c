@@ -54,28 +54,27 @@ static enum stp_result upload_splats(const struct stp_env *env, struct record_fr
 
 struct kernel_packing {
     const struct stp_scene *scene;
-    const uint32_t *order;
     float (*out)[8];
 };
 
-/* Two vectors a splat of a list: centre relative to the origin and tau; colour and normal. */
+/* Two vectors a kernel: centre relative to the origin and tau; colour and normal. */
 static void pack_kernels(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct kernel_packing *p = context;
     const struct kernels *k = &p->scene->volume->kernels;
     const struct grid *grid = &p->scene->volume->grid;
     for (size_t i = begin; i < end; i++) {
-        uint32_t id = p->order[i], at[3], normal = STP_NO_NORMAL;
+        uint32_t at[3], normal = STP_NO_NORMAL;
         float *out = p->out[i];
-        voxel_place(grid, k->voxel[id], at);
+        voxel_place(grid, k->voxel[i], at);
         for (int a = 0; a < 3; a++) {
             double place = grid->origin[a] + at[a] * grid->spacing[a];
             out[a] = (float)(place - p->scene->splats.origin[a]);
-            out[4 + a] = k->color[id][a];
+            out[4 + a] = k->color[i][a];
         }
-        out[3] = k->tau[id];
+        out[3] = k->tau[i];
         if (k->normal)
-            normal = record_octahedral(k->normal[id]);
+            normal = record_octahedral(k->normal[i]);
         memcpy(&out[7], &normal, 4);
     }
 }
@@ -83,17 +82,16 @@ static void pack_kernels(void *context, size_t begin, size_t end, unsigned worke
 static enum stp_result upload_kernels(const struct stp_env *env, struct record_frame *frame,
                                       const struct stp_scene *scene, struct gpu_buffer *buffer)
 {
-    const struct axis_lists *lists = &frame->plan->axis;
-    struct kernel_packing packing = { scene, lists->order, NULL };
+    size_t count = scene->volume->kernels.count;
+    struct kernel_packing packing = { scene, NULL };
     bool direct = buffer->mapped && buffer->coherent;
-    packing.out = direct ? buffer->mapped : mem_alloc(lists->count, 32);
+    packing.out = direct ? buffer->mapped : mem_alloc(count, 32);
     if (!packing.out)
-        return log_no_memory(env, lists->count * 32, "staging of kernels");
-    parallel_for(env, lists->count, 16384, pack_kernels, &packing);
+        return log_no_memory(env, count * 32, "staging of kernels");
+    parallel_for(env, count, 16384, pack_kernels, &packing);
     if (direct)
         return STP_OK;
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, packing.out, lists->count * 32);
+    enum stp_result result = gpu_upload(env, frame->context, buffer, packing.out, count * 32);
     mem_free(packing.out);
     return result;
 }
@@ -195,23 +193,17 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
                                 scene->environment.texel_count * sizeof *scene->environment.texel);
             break;
         case PLAN_ORDER:
-            if (scene->volume)
-                result = gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.entry,
-                                    frame->plan->resource[i].bytes);
-            else if (plan_covers(frame->plan))
+            if (plan_covers(frame->plan))
                 result = record_upload_homes(env, frame, scene, buffer);
-            else
+            else if (!scene->volume)
                 result = upload_order(env, frame, &scene->splats, buffer);
-            break;
-        case PLAN_COUNTS:
-            if (scene->volume)
-                result = gpu_upload(env, frame->context, buffer, frame->plan->axis_blocks.first,
-                                    frame->plan->resource[i].bytes);
             break;
         default:
             break;
         }
     }
+    if (result == STP_OK && scene->volume)
+        result = record_lists(env, frame, &frame->plan->axis, &frame->plan->axis_blocks);
     if (result == STP_OK && frame->share)
         result = record_ghosts(env, frame);
     return result;

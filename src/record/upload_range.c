@@ -10,7 +10,6 @@
 
 struct packing {
     const struct stp_scene *scene;
-    const uint32_t *order;
     struct range_view view;
     float (*out)[STP_ELLIPSOID][4];
 };
@@ -21,35 +20,34 @@ static void pack(void *context, size_t begin, size_t end, unsigned worker)
     const struct packing *p = context;
     const struct volume *volume = p->scene->volume;
     for (size_t i = begin; i < end; i++) {
-        uint32_t id = p->order[i];
         float(*out)[4] = p->out[i];
         double color[3];
-        range_color(volume, &p->view, id, color);
+        range_color(volume, &p->view, i, color);
         for (int a = 0; a < 3; a++) {
-            out[0][a] = (float)(volume->kernels.place[id][a] - p->scene->splats.origin[a]);
+            out[0][a] = (float)(volume->kernels.place[i][a] - p->scene->splats.origin[a]);
             out[1][a] = (float)color[a];
             out[4][a + 1] = 0;
         }
-        out[0][3] = (float)range_tau(volume, &p->view, id);
+        out[0][3] = (float)range_tau(volume, &p->view, i);
         out[1][3] = 0;
-        memcpy(out[2], volume->kernels.axes[id], sizeof volume->kernels.axes[id]);
+        memcpy(out[2], volume->kernels.axes[i], sizeof volume->kernels.axes[i]);
     }
 }
 
 enum stp_result upload_ellipsoids(const struct stp_env *env, struct record_frame *frame,
                                   const struct stp_scene *scene, struct gpu_buffer *buffer)
 {
-    const struct axis_lists *lists = &frame->plan->axis;
-    struct packing packing = { scene, lists->order, range_view_of(&frame->plan->camera), NULL };
+    size_t count = scene->volume->kernels.count;
+    struct packing packing = { scene, range_view_of(&frame->plan->camera), NULL };
     bool direct = buffer->mapped && buffer->coherent;
-    packing.out = direct ? buffer->mapped : mem_alloc(lists->count, sizeof *packing.out);
+    packing.out = direct ? buffer->mapped : mem_alloc(count, sizeof *packing.out);
     if (!packing.out)
-        return log_no_memory(env, lists->count * sizeof *packing.out, "staging of ellipsoids");
-    parallel_for(env, lists->count, 16384, pack, &packing);
+        return log_no_memory(env, count * sizeof *packing.out, "staging of ellipsoids");
+    parallel_for(env, count, 16384, pack, &packing);
     if (direct)
         return STP_OK;
     enum stp_result result =
-        gpu_upload(env, frame->context, buffer, packing.out, lists->count * sizeof *packing.out);
+        gpu_upload(env, frame->context, buffer, packing.out, count * sizeof *packing.out);
     mem_free(packing.out);
     return result;
 }

@@ -136,6 +136,7 @@ static void write_constants(struct record_frame *frame, VkCommandBuffer commands
                             const struct plan_tile *tile)
 {
     struct stp_frame_constants constants = pass_constants(frame->plan, &frame->resources, tile);
+    constants.deep_first = frame->deep ? frame->deep->first : 0;
     frame->context->vk.vkCmdUpdateBuffer(commands, frame->resources.constants.handle, 0,
                                          sizeof constants, &constants);
     VkMemoryBarrier2 memory = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
@@ -165,7 +166,13 @@ static void stamp(struct record_frame *frame, VkCommandBuffer commands, uint32_t
                                             frame->queries, query);
 }
 
-/* What was written to where the host reads it; in the end, outputs that it does not see. */
+static bool is_deep(enum plan_slot slot)
+{
+    return slot == PLAN_DEEP_LAYERS || slot == PLAN_DEEP_COUNTS;
+}
+
+/* What was written to where the host reads it: of outputs that it does not see, layers after every
+ * part, the others in the end. */
 static void finish(struct record_frame *frame, VkCommandBuffer commands, bool last)
 {
     const struct stp_plan *plan = frame->plan;
@@ -178,8 +185,8 @@ static void finish(struct record_frame *frame, VkCommandBuffer commands, bool la
         .dstAccessMask = VK_ACCESS_2_HOST_READ_BIT | VK_ACCESS_2_TRANSFER_READ_BIT
     };
     barrier(frame, commands, &memory);
-    for (uint32_t i = 0; last && i < plan->resource_count; i++) {
-        if (!frame->read_back[i].handle)
+    for (uint32_t i = 0; i < plan->resource_count; i++) {
+        if (!frame->read_back[i].handle || !(last || is_deep(plan->resource[i].slot)))
             continue;
         VkBufferCopy copy = { .size = plan->resource[i].bytes };
         frame->context->vk.vkCmdCopyBuffer(commands, frame->resources.buffer[i].handle,
@@ -366,6 +373,7 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
     }
     if (plan->loop_first && !frame->pipelines->host)
         copy_remaining(frame, commands);
-    if ((steps.last || steps.exchange != RECORD_NO_PASS) && !frame->pipelines->host)
+    bool read = steps.last || steps.exchange != RECORD_NO_PASS || plan->constant[PLAN_DEEP];
+    if (read && !frame->pipelines->host)
         finish(frame, commands, steps.last);
 }

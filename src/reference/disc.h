@@ -16,6 +16,7 @@ struct view {
     bool single_layer; /* --layers single */
     bool cull_back, two_sided, local_viewer;
     bool transparent; /* pixels are layers (layers.c) */
+    bool deep;        /* which are kept one by one */
     double min_splat; /* pixels; 0: off */
     double epsilon;   /* 0: each object's own */
     unsigned grid;    /* grid x grid samples a pixel */

@@ -42,6 +42,42 @@ static void sum_layer(const struct tile *tile, size_t at, uint32_t id, const str
         nearest_take(&c->next, id, disc, fragment);
 }
 
+/* The layer that was just composited, as one of a deep picture: flattened they give the pixel. */
+static void keep(const struct tile *tile, size_t at, const struct surface *s, struct vec3 own)
+{
+    struct crossing *c = &tile->scratch->crossing[at];
+    struct deep_list *list = &tile->scratch->deep;
+    if (c->first.layers == 1 && surface_is_glass(tile->view, &c->first)) {
+        c->glass = surface_interface(tile->view, &c->first, 1);
+        own = v3_add(v3_product(c->glass.passed, own), c->glass.mirrored);
+    } else if (surface_is_glass(tile->view, &c->first)) {
+        own = v3_product(c->glass.passed, own);
+    }
+    const struct stp_deep_layer layer = { (float)s->depth,
+                                          { (float)own.x, (float)own.y, (float)own.z },
+                                          (float)s->opacity };
+    c->last = list->count;
+    if (deep_add(list, (uint32_t)tile_pixel(tile, at), &layer) != STP_OK)
+        tile->scratch->no_memory = true;
+}
+
+/* The environment behind glass stands in the last layer, which hides all else as the pixel does. */
+static void keep_behind(const struct tile *tile, size_t at)
+{
+    const struct crossing *c = &tile->scratch->crossing[at];
+    if (tile->scratch->no_memory)
+        return;
+    struct stp_deep_layer *layer = &tile->scratch->deep.entry[c->last].layer;
+    double layers = tile->view->single_layer ? 1 : c->first.layers;
+    struct glass g = surface_interface(tile->view, &c->first, layers);
+    struct vec3 behind = v3_product(v3_product(g.passed, c->tint), g.seen);
+    double clear = 1 - (double)layer->alpha;
+    layer->color[0] = (float)((double)layer->color[0] + clear * behind.x);
+    layer->color[1] = (float)((double)layer->color[1] + clear * behind.y);
+    layer->color[2] = (float)((double)layer->color[2] + clear * behind.z);
+    layer->alpha = 1;
+}
+
 static void composite(const struct tile *tile, size_t at)
 {
     struct crossing *c = &tile->scratch->crossing[at];
@@ -52,8 +88,9 @@ static void composite(const struct tile *tile, size_t at)
     if (layers == 1)
         c->first = s;
     c->first.layers = layers;
-    struct vec3 light = surface_shade(tile->view, &s);
-    light = v3(light.x * c->tint.x, light.y * c->tint.y, light.z * c->tint.z);
+    struct vec3 light = v3_product(surface_shade(tile->view, &s), c->tint);
+    if (tile->view->deep)
+        keep(tile, at, &s, v3_scale(light, s.opacity));
     c->color = v3_add(c->color, v3_scale(light, c->transmittance * s.opacity));
     c->transmittance *= 1 - s.opacity;
     c->tint = surface_absorb(tile->view, &s, layers, c->tint);
@@ -66,12 +103,15 @@ static void finish(const struct tile *tile, size_t at)
     const struct crossing *c = &tile->scratch->crossing[at];
     if (c->first.layers == 0)
         return;
-    if (surface_is_glass(tile->view, &c->first))
-        tile_hit(
-            tile, at, &c->first,
-            surface_glass(tile->view, &c->first, c->color, v3_scale(c->tint, c->transmittance)), 1);
-    else
+    if (!surface_is_glass(tile->view, &c->first)) {
         tile_hit(tile, at, &c->first, c->color, 1 - c->transmittance);
+        return;
+    }
+    if (tile->view->deep)
+        keep_behind(tile, at);
+    tile_hit(tile, at, &c->first,
+             surface_glass(tile->view, &c->first, c->color, v3_scale(c->tint, c->transmittance)),
+             1);
 }
 
 static bool any_left(const struct tile *tile)

@@ -83,8 +83,7 @@ static struct vec3 bend(struct vec3 d, struct vec3 facing, double eta, double la
     return v3_add(v3_scale(along, bent / sine), v3_scale(facing, -sqrt(1 - bent * bent)));
 }
 
-struct vec3 surface_glass(const struct view *view, const struct surface *first, struct vec3 own,
-                          struct vec3 through)
+struct glass surface_interface(const struct view *view, const struct surface *first, double layers)
 {
     const struct stp_optics *o = optics_of(view, first);
     struct vec3 d = v3_unit(eye_view(&view->eye, first->point)), n = first->normal;
@@ -92,14 +91,22 @@ struct vec3 surface_glass(const struct view *view, const struct surface *first, 
     bool inside = dot > 0;
     struct vec3 facing = inside ? v3_scale(n, -1) : n, seen[3];
     struct vec3 mirror = environment_light(view, v3_sub(d, v3_scale(n, 2 * dot)), roughness);
-    double layers = view->single_layer ? 1 : first->layers;
     struct shares shares = shares_of(o, fmin(fabs(dot), 1), inside);
     for (int k = 0; k < 3; k++) {
         double eta = inside ? (double)o->ior[k] : 1 / (double)o->ior[k];
         seen[k] = environment_light(view, bend(d, facing, eta, layers), roughness);
     }
-    struct vec3 passed = v3(through.x * seen[0].x, through.y * seen[1].y, through.z * seen[2].z);
-    return divide(&shares, mirror, v3_add(own, passed));
+    return (struct glass){ v3(shares.on[0], shares.on[1], shares.on[2]),
+                           v3_product(v3(shares.back[0], shares.back[1], shares.back[2]), mirror),
+                           v3(seen[0].x, seen[1].y, seen[2].z) };
+}
+
+struct vec3 surface_glass(const struct view *view, const struct surface *first, struct vec3 own,
+                          struct vec3 through)
+{
+    struct glass g = surface_interface(view, first, view->single_layer ? 1 : first->layers);
+    struct vec3 behind = v3_add(own, v3_product(through, g.seen));
+    return v3_add(v3_product(g.passed, behind), g.mirrored);
 }
 
 struct vec3 surface_absorb(const struct view *view, const struct surface *surface, uint32_t layer,

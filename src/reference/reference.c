@@ -58,6 +58,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (!(params->epsilon >= 0) || isnan(params->min_splat))
         return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g or min-splat %g is out of range",
                          params->epsilon, params->min_splat);
+    if (params->deep && (params->samples > 1 || scene->volume))
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "no deep picture of a volume, nor of several samples a pixel");
     if (params->environment_behind && !scene->environment.map.width)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the scene has no environment to stand behind it");
@@ -76,6 +79,7 @@ struct view reference_view(const struct stp_scene *scene, const struct stp_camer
                          .two_sided = scene->facts.two_sided,
                          .local_viewer = params->local_viewer,
                          .transparent = scene->facts.transparent,
+                         .deep = params->deep && scene->facts.transparent,
                          .epsilon = params->epsilon,
                          .grid = sample_grid(params->samples) };
     view.min_splat = params->min_splat == 0 ? DEFAULT_MIN_SPLAT : fmax(0, params->min_splat);
@@ -93,12 +97,32 @@ static void render_tiles(void *context, size_t begin, size_t end, unsigned worke
         log_progress(job->env, "reference", (double)end / (double)tiles);
 }
 
+/* The layers that the threads have kept become the picture's. */
+static enum stp_result finish_deep(const struct stp_env *env, const struct view *view,
+                                   const struct scratch *scratch, unsigned threads,
+                                   struct stp_image *image)
+{
+    bool failed = false;
+    struct deep_list *lists = mem_alloc(threads, sizeof *lists);
+    for (unsigned i = 0; i < threads; i++)
+        failed = failed || scratch[i].no_memory;
+    for (unsigned i = 0; lists && i < threads; i++)
+        lists[i] = scratch[i].deep;
+    enum stp_result result =
+        !lists || failed
+            ? log_no_memory(env, threads * sizeof *lists, "the layers of a deep picture")
+            : deep_build(env, lists, threads, (size_t)view->width * view->height, &image->deep);
+    mem_free(lists);
+    return result;
+}
+
 static enum stp_result render(const struct stp_env *env, const struct view *view,
-                              const struct planes *planes, const struct stp_render_params *params)
+                              const struct planes *planes, const struct stp_render_params *params,
+                              struct stp_image *image)
 {
     unsigned threads = thread_count(env);
     struct bins bins;
-    struct scratch *scratch = mem_alloc(threads, sizeof *scratch);
+    struct scratch *scratch = mem_zalloc(threads, sizeof *scratch);
     if (!scratch)
         return log_no_memory(env, threads * sizeof *scratch, "the reference's tiles");
     enum stp_result result = bins_build(env, view, &bins);
@@ -108,6 +132,10 @@ static enum stp_result render(const struct stp_env *env, const struct view *view
         planes_finish(env, planes, view, params);
         bins_release(&bins);
     }
+    if (result == STP_OK && view->deep)
+        result = finish_deep(env, view, scratch, threads, image);
+    for (unsigned i = 0; i < threads; i++)
+        deep_list_release(&scratch[i].deep);
     mem_free(scratch);
     return result;
 }
@@ -125,7 +153,7 @@ enum stp_result reference_render(const struct stp_env *env, const struct stp_sce
         return result;
     struct view view = reference_view(scene, camera, params);
     result = scene->volume ? medium_render(env, &view, &planes, params, LEAST_ALPHA)
-                           : render(env, &view, &planes, params);
+                           : render(env, &view, &planes, params, made);
     if (result == STP_OK)
         *image = made;
     else

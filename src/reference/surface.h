@@ -43,6 +43,12 @@ struct vec3 surface_mirror(const struct view *view, const struct surface *surfac
 
 /* Whether this nearest layer of a ray is transparent and meets the environment. */
 bool surface_is_glass(const struct view *view, const struct surface *first);
+/* What such a layer does to light, with that many layers to see the environment through. */
+struct glass {
+    struct vec3 passed, mirrored; /* the share of what comes through; light that it mirrors */
+    struct vec3 seen;             /* of the environment */
+};
+struct glass surface_interface(const struct view *view, const struct surface *first, double layers);
 /* What the eye sees by such a layer: own, the layers' light, premultiplied; through, what they all
  * let pass. */
 struct vec3 surface_glass(const struct view *view, const struct surface *first, struct vec3 own,

@@ -7,6 +7,11 @@ static size_t index_of(const struct tile *tile, uint32_t x, uint32_t y)
     return (size_t)(y - tile->y0) * TILE + (x - tile->x0);
 }
 
+size_t tile_pixel(const struct tile *tile, size_t at)
+{
+    return (tile->y0 + at / TILE) * (size_t)tile->view->width + tile->x0 + at % TILE;
+}
+
 static void visit_disc(const struct tile *tile, uint32_t id, const struct disc *disc,
                        visit_fn visit)
 {

@@ -5,6 +5,7 @@
 
 #include "reference/bins.h"
 #include "reference/planes.h"
+#include "scene/deep.h"
 
 /* A pixel's ray through its layers. */
 struct crossing {
@@ -15,6 +16,8 @@ struct crossing {
     struct vec3 color;    /* premultiplied, of the layers done */
     double transmittance; /* of them */
     struct vec3 tint;     /* what their absorption leaves */
+    struct glass glass;   /* with deep layers: of the first, where that is glass */
+    size_t last;          /* with deep layers: where that of the layer done last is */
 };
 
 /* One thread's; of a tile's pixels, row by row. */
@@ -25,6 +28,8 @@ struct scratch {
     struct sums sums[TILE * TILE];
     struct crossing crossing[TILE * TILE];
     struct pixel pixel[TILE * TILE];
+    struct deep_list deep; /* with view->deep: the layers of all tiles so far */
+    bool no_memory;        /* for one of them */
 };
 
 struct tile {
@@ -42,6 +47,9 @@ typedef void (*visit_fn)(const struct tile *tile, size_t at, uint32_t id, const 
 void tile_visit(const struct tile *tile, visit_fn visit);
 /* Calls for every pixel of the tile. */
 void tile_each(const struct tile *tile, void (*each)(const struct tile *tile, size_t at));
+
+/* Of the whole picture, rows from the top. */
+size_t tile_pixel(const struct tile *tile, size_t at);
 
 /* The surface that the current sample of a pixel hit, shaded: joins the pixel's other samples. */
 void tile_hit(const struct tile *tile, size_t at, const struct surface *surface, struct vec3 color,

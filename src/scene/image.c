@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/memory.h"
+#include "scene/deep.h"
 
 enum stp_result stp_image_create(uint32_t width, uint32_t height, struct stp_image **image)
 {
@@ -62,6 +63,7 @@ void stp_image_destroy(struct stp_image **image)
     for (unsigned i = 0; i < (*image)->channel_count; i++)
         mem_free((*image)->channels[i].data.f);
     mem_free((*image)->channels);
+    deep_destroy(&(*image)->deep);
     mem_free(*image);
     *image = NULL;
 }

@@ -70,7 +70,8 @@ static enum stp_result run(struct study *study, struct study_frame *frame, struc
                            double *ms)
 {
     double unused;
-    return record_run(&study->quiet, &frame->frame, study->scene, image, ms, &unused);
+    return image ? record_run(&study->quiet, &frame->frame, study->scene, image, ms, &unused)
+                 : record_again(&study->quiet, &frame->frame, study->scene, ms);
 }
 
 static enum stp_result measure(struct study *study, struct study_frame *frame,

@@ -49,7 +49,7 @@ static void add_frame(struct study *study, const struct study_config *config, st
 {
     struct report_row *row = &study->report.row[study->frame_count];
     struct study_config settled = *config;
-    if (config->method == STP_METHOD_DEFERRED && config->payload == STP_PAYLOAD_AUTO)
+    if (config->overlap > 0 && config->payload == STP_PAYLOAD_AUTO)
         settled.payload = plan->payload;
     study_describe(&settled, row);
     if (config->overlap > 0)
@@ -73,6 +73,19 @@ static void add_skip(struct study *study, const struct study_config *config,
     snprintf(added->name, sizeof added->name, "%s", report_row_name(&row, name));
 }
 
+/* Groups that cover the surface, for those that want them; the scene keeps them. */
+static enum stp_result cover(struct study *study, const struct study_config *config)
+{
+    struct stp_cover_params params = { .groups = study->params.group.max_groups };
+    struct stp_render_params render = study->params.render;
+    render.method = config->method;
+    render.transparency = config->transparency;
+    if (study->scene->cover.groups ||
+        !stp_plan_needs_cover(&study->scene->facts, &render, stp_context_limits(study->context)))
+        return STP_OK;
+    return stp_scene_cover(study->env, study->scene, &params);
+}
+
 /* A configuration that does not apply is left out, with the reason; only want of host memory ends
  * the study. */
 enum stp_result study_try(struct study *study, const struct study_config *config)
@@ -82,6 +95,8 @@ enum stp_result study_try(struct study *study, const struct study_config *config
     enum stp_result result = STP_OK;
     if (config->overlap > 0)
         result = groupings_use(study->env, &study->groups, &study->params.group, config->overlap);
+    if (result == STP_OK)
+        result = cover(study, config);
     if (result != STP_OK)
         return result;
     result = make_plan(study, config, &skip, &plan);

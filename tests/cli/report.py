@@ -118,6 +118,12 @@ class Report(command.CommandTest):
     def test_transparent_scenes(self):
         rows = self.make("--opacity", "0.5")
         self.assertEqual(rows[-1]["method"], "reference")
+        self.assertEqual({row["transparency"] for row in rows[:-1]},
+                         {"exact", "fast", "nearest", "peel"})
+        peeled = {int(row["peel_layers"]): float(row["mean_absolute"]) for row in rows
+                  if (row["transparency"], row["path"]) == ("peel", "raster")}
+        self.assertEqual(set(peeled), {2, 8})
+        self.assertLess(peeled[8], 1e-3)
         exact = next(row for row in rows if row["transparency"] == "exact")
         for name, column in [("a.exr", "exact"), ("b.exr", "reference")]:
             self.done("render", "ball.ply", "-o", name, *SHARED, "--opacity", "0.5",

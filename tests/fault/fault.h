@@ -25,6 +25,8 @@ struct fault_state {
 /* n: the n-th call from now on fails, 0: none does. choice: which of its results, modulo how many
  * it has. sticky: every later call of that name fails too. */
 typedef void fault_arm_fn(unsigned long n, unsigned choice, bool sticky);
+/* A choice: VK_ERROR_DEVICE_LOST, from calls too that the specification does not allow it. */
+#define FAULT_LOST 1000
 typedef void fault_discrete_fn(bool discrete);
 typedef struct fault_state fault_read_fn(void);
 

@@ -98,7 +98,8 @@ static VkResult inject(const char *name, const VkResult *results, unsigned count
     bool again = fault.sticky && strcmp(fault.seen.injected, name) == 0;
     if (++fault.seen.calls == fault.at || again) {
         fault.seen.injected = name;
-        fault.seen.result = result = results[fault.choice % count];
+        result = fault.choice == FAULT_LOST ? VK_ERROR_DEVICE_LOST : results[fault.choice % count];
+        fault.seen.result = result;
     }
     pthread_mutex_unlock(&fault.mutex);
     return result;

@@ -207,29 +207,87 @@ static void by_compute(void **state)
     tiles_background_and_nothing(STP_PATH_COMPUTE);
 }
 
-/* 100000 splats on 8 x 8 pixels: lists longer than what one pass takes. */
+/* More splats on 8 x 4 pixels than one pass takes, with and without subgroups. */
 static void long_lists_go_on(void **state)
 {
-    struct device device;
+    static const unsigned masks[] = { 0, STP_FEATURE_SUBGROUP_8 };
     struct stp_scene *scene =
-        block_scene((uint32_t[]){ 10, 10, 1000 }, (double[]){ 1, 1, 1 }, 0.002);
-    struct stp_camera camera = plain_camera(8, 8, 2800);
+        block_scene((uint32_t[]){ 10, 6, 6400 }, (double[]){ 1, 1, 1 }, 0.0012);
+    struct stp_camera camera = plain_camera(8, 4, 40000);
+    look_at(&camera, v3(0, 0, 40000), v3(0, 0, 0));
     struct stp_render_params params = { .method = STP_METHOD_AXIS, .path = STP_PATH_COMPUTE };
-    struct stp_plan *plan = NULL;
-    look_at(&camera, v3(0, 0, 4000), v3(0, 0, 0));
-    device_open(&device, 0);
-    assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
-    assert_true(plan->axis_blocks.longest > STP_AXIS_PART);
-    assert_int_equal(plan->pass_count,
-                     2 + (plan->axis_blocks.longest + STP_AXIS_PART - 1) / STP_AXIS_PART);
-    struct stp_image *image = device_render_plan(&device, scene, plan);
     struct stp_image *truth = render_volume(scene, &camera, &params);
-    for (uint32_t i = 0; i < 64; i++)
-        close_to((double)value(image, "A", i % 8, i / 8), (double)value(truth, "A", i % 8, i / 8),
-                 1e-4);
-    stp_image_destroy(&image);
+    for (int m = 0; m < 2; m++) {
+        struct device device;
+        struct stp_plan *plan = NULL;
+        device_open(&device, 0);
+        params.mask_features = masks[m];
+        assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+        if (plan->axis_blocks.longest <= STP_AXIS_PART)
+            fail_msg("%zu entries in a block", plan->axis_blocks.longest);
+        assert_int_equal(plan->pass_count, 2 + 2);
+        struct stp_image *image = device_render_plan(&device, scene, plan);
+        for (uint32_t i = 0; i < 32; i++)
+            close_to((double)value(image, "A", i % 8, i / 8),
+                     (double)value(truth, "A", i % 8, i / 8), 1e-4);
+        stp_image_destroy(&image);
+        stp_plan_destroy(&plan);
+        device_close(&device);
+    }
     stp_image_destroy(&truth);
-    stp_plan_destroy(&plan);
+    stp_scene_destroy(&scene);
+}
+
+/* A device whose subgroups are of another size fetches thread by thread, and stops column by column
+ * where too little light is left. Odd sizes leave threads outside of the picture. */
+static void without_subgroups(void **state)
+{
+    struct device device;
+    struct stp_scene *scene = random_volume(17, (double[]){ 0.2, 0.2, 0.2 }, false);
+    device_open(&device, 0);
+    for (int v = 0; v < VIEWS + MORE_VIEWS; v += 2) {
+        struct stp_camera camera = view_of_index(v);
+        camera.width -= (uint32_t)v;
+        camera.height -= 3;
+        struct stp_render_params params = { .method = STP_METHOD_AXIS, .axis_h = 0.5 };
+        struct stp_image *with = device_render(&device, scene, &camera, &params);
+        params.mask_features = STP_FEATURE_SUBGROUP_8;
+        struct stp_image *without = device_render(&device, scene, &camera, &params);
+        for (uint32_t y = 0; y < camera.height; y++)
+            for (uint32_t x = 0; x < camera.width; x++) {
+                close_to((double)value(with, "R", x, y), (double)value(without, "R", x, y), 3e-6);
+                close_to((double)value(with, "A", x, y), (double)value(without, "A", x, y), 3e-6);
+            }
+        stp_image_destroy(&with);
+        stp_image_destroy(&without);
+    }
+    device_close(&device);
+    stp_scene_destroy(&scene);
+}
+
+/* Warm frames make their lists again: the same picture, and a time of its own for them. */
+static void lists_are_timed(void **state)
+{
+    struct device device;
+    struct stp_scene *scene = random_volume(18, (double[]){ 0.2, 0.2, 0.2 }, false);
+    struct stp_camera camera = view_of_index(1);
+    struct stp_render_params params = { .method = STP_METHOD_AXIS };
+    device_open(&device, 0);
+    for (int path = STP_PATH_RASTER; path <= STP_PATH_COMPUTE; path++) {
+        struct stp_render_stats stats;
+        struct stp_image *image = NULL;
+        struct stp_plan *plan = NULL;
+        params.path = (enum stp_path)path;
+        assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+        assert_int_equal(stp_render(&device.env, device.context, scene, plan, 2, &image, &stats),
+                         STP_OK);
+        assert_int_equal(stats.pass_count, plan->pass_count + 1);
+        const struct stp_pass_time *last = &stats.pass[plan->pass_count];
+        assert_string_equal(last->name, "lists, on the CPU");
+        assert_true(last->milliseconds > 0 && stats.frame_ms_max >= stats.frame_ms_min);
+        stp_image_destroy(&image);
+        stp_plan_destroy(&plan);
+    }
     device_close(&device);
     stp_scene_destroy(&scene);
 }
@@ -239,7 +297,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_merge_in_every_view), cmocka_unit_test(near_the_exact_order),
         cmocka_unit_test(by_the_rasteriser),         cmocka_unit_test(by_compute),
-        cmocka_unit_test(long_lists_go_on),
+        cmocka_unit_test(long_lists_go_on),          cmocka_unit_test(without_subgroups),
+        cmocka_unit_test(lists_are_timed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -53,9 +53,24 @@ static void one_axis_costs_one_list(void **state)
     assert_int_equal(plan->axis.count, kernels);
     assert_int_equal(resource_named(plan, "kernels")->bytes, 32 * kernels);
     assert_int_equal(plan_find(plan, PLAN_IMAGE_AXIS_COLOR), PLAN_NONE);
-    assert_int_equal(resource_named(plan, "walk sums")->bytes, 64 * 48 * 32);
-    assert_non_null(pass_named(plan, "walk -z"));
-    assert_null(pass_named(plan, "walk -x"));
+    /* Not a byte for the other two, and no sums of any. */
+    assert_null(resource_named(plan, "walk sums"));
+    assert_int_equal(resource_named(plan, "block starts")->bytes,
+                     4 * (64 / AXIS_BLOCK_WIDTH * (48 / AXIS_BLOCK_HEIGHT) + 1));
+    assert_int_equal(resource_named(plan, "block splats")->bytes, 4 * plan->axis_blocks.count);
+    assert_int_equal(resource_named(plan, "projected")->bytes, 32 * kernels);
+    assert_int_equal(plan_bytes(plan, PLAN_SCENE), resource_named(plan, "block starts")->bytes +
+                                                       resource_named(plan, "block splats")->bytes +
+                                                       32 * kernels +
+                                                       sizeof(struct stp_material_gpu));
+    assert_int_equal(plan_bytes(plan, PLAN_TRANSIENT), 32 * kernels);
+    assert_true(!plan->axis.sheets[0].first && !plan->axis.sheets[1].first);
+    assert_int_equal(plan->pass_count, 2);
+    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_GROUPED);
+    stp_plan_destroy(&plan);
+    in.limits.features &= ~(unsigned)STP_FEATURE_SUBGROUP_8;
+    plan = plan_of(&in);
+    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK);
     assert_int_equal(plan->constant[PLAN_AXIS_CUT], 0);
     stp_plan_destroy(&plan);
     release_inputs(&in);
@@ -69,7 +84,8 @@ static void three_axes_cost_three(void **state)
     struct stp_plan *plan = plan_of(&in);
     assert_int_equal(plan->axis.walk_count, 3);
     assert_int_equal(resource_named(plan, "walk depth")->layers, 3);
-    assert_int_equal(resource_named(plan, "kernels")->bytes, 32 * plan->axis.count);
+    assert_int_equal(resource_named(plan, "kernels")->bytes, 32 * plan->facts.splats);
+    assert_int_equal(resource_named(plan, "lists")->bytes, 4 * plan->axis.count);
     char *text = stp_plan_print(plan);
     assert_non_null(strstr(text, "rays along -x"));
     assert_non_null(strstr(text, "h 0.85"));

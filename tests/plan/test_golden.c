@@ -125,6 +125,10 @@ static void test_layers(void **state)
     fade_inputs(&in, false);
     expect_golden(&in, "layers");
     in = plain_inputs();
+    fade_inputs(&in, false);
+    in.params.deep = true;
+    expect_golden(&in, "layers_deep");
+    in = plain_inputs();
     fade_inputs(&in, true);
     in.params.samples = 4;
     in.params.aovs = STP_AOV_LAYERS;

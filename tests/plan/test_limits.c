@@ -92,12 +92,12 @@ static void test_missing(void **state)
 
 static void test_feature_names(void **state)
 {
-    static const char *const names[] = { "int64-atomics", "vertex-layer",     "float32-blend",
-                                         "int64",         "float64",          "storage-formats",
-                                         "shared-memory", "independent-blend" };
-    for (unsigned i = 0; i < 8; i++)
+    static const char *const names[] = { "int64-atomics", "vertex-layer",      "float32-blend",
+                                         "int64",         "float64",           "storage-formats",
+                                         "shared-memory", "independent-blend", "subgroup-8" };
+    for (unsigned i = 0; i < 9; i++)
         assert_string_equal(stp_feature_name((enum stp_feature)(1 << i)), names[i]);
-    assert_null(stp_feature_name((enum stp_feature)256));
+    assert_null(stp_feature_name((enum stp_feature)512));
     assert_null(stp_feature_name((enum stp_feature)3));
 }
 

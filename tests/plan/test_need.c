@@ -138,6 +138,15 @@ static void all_glass(struct inputs *in)
     in->scene->facts.absorbs = true;
     in->params.layers = STP_LAYERS_SINGLE;
 }
+static void deep(struct inputs *in)
+{
+    in->params.deep = true;
+}
+static void faded_deep(struct inputs *in)
+{
+    fade_inputs(in, false);
+    in->params.deep = true;
+}
 static void gpu(struct inputs *in)
 {
     in->limits.processor = 2;
@@ -195,6 +204,10 @@ static const struct feature {
     { "opacities", mixed, EXACT, "+opacities", "+mend layer", PLAN_OPACITY, 2 },
     { "opacities", mixed, EXACT, "+slot ids", "-repair sum", PLAN_MIXED, 1 },
     { "layers", mixed, EXACT, "+id", NULL, PLAN_AOVS, PLAN_AOVS_ID | PLAN_AOVS_LAYERS },
+
+    { "deep, opaque", deep, ALL, NULL, NULL, PLAN_DEEP, 0 },
+    { "deep", faded_deep, EXACT, "+deep layers", "+clear deep counts", PLAN_DEEP, 1 },
+    { "deep", faded_deep, EXACT, "+deep counts", NULL, PLAN_DEEP, 1 },
     { "a GPU", gpu, LAYERS, "-order", "-layer 3", PLAN_LAYERED, 1 },
     { "a GPU", gpu, EXACT | TWO_PASS | TWO_PASS_RASTER | KEYS, NULL, NULL, PLAN_LAYERED, 0 },
     { "no atomics", no_atomics, TWO_PASS, NULL, "+nearest id", PLAN_ATOMIC64, 0 },

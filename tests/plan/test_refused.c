@@ -145,6 +145,29 @@ static void two_pass_for_fast(struct inputs *in)
     in->params.method = STP_METHOD_TWO_PASS;
     in->params.transparency = STP_TRANSPARENCY_FAST;
 }
+static void deep_by_peeling(struct inputs *in)
+{
+    transparent(in);
+    in->params.transparency = STP_TRANSPARENCY_PEEL;
+    in->params.deep = true;
+}
+static void deep_samples(struct inputs *in)
+{
+    in->params.deep = true;
+    in->params.samples = 4;
+}
+static void deep_eye_dome(struct inputs *in)
+{
+    transparent(in);
+    in->scene->facts.eye_dome = true;
+    in->params.deep = true;
+}
+static void deep_volume(struct inputs *in)
+{
+    in->scene->facts.volume.dims[0] = 3;
+    in->params.method = STP_METHOD_REFERENCE;
+    in->params.deep = true;
+}
 static void little_memory(struct inputs *in)
 {
     in->params.memory_limit = 1000;
@@ -194,6 +217,10 @@ static const struct {
     { too_many_samples, STP_ERROR_ARGUMENT, "65537" },
     { exact_for_peel, STP_ERROR_ARGUMENT, "method two-pass does" },
     { two_pass_for_fast, STP_ERROR_ARGUMENT, "method deferred does" },
+    { deep_by_peeling, STP_ERROR_ARGUMENT, "exact and reference" },
+    { deep_samples, STP_ERROR_ARGUMENT, "samples" },
+    { deep_eye_dome, STP_ERROR_ARGUMENT, "normals" },
+    { deep_volume, STP_ERROR_ARGUMENT, "volume" },
     { fast_without_cover, STP_ERROR_ARGUMENT, "stp_scene_cover" },
     { fast_by_compute, STP_ERROR_ARGUMENT, "rasteriser" },
     { nearest_with_samples, STP_ERROR_ARGUMENT, "one sample" },

@@ -171,6 +171,9 @@ static void one_axis_one_list(void **state)
         assert_int_equal(lists.walk_count, 1);
         assert_true(lists.walk[0].axis == 2 && lists.walk[0].backwards);
         assert_int_equal(lists.count, lists.visible);
+        assert_true(!lists.sheets[0].first && !lists.sheets[1].first);
+        assert_true((lists.sheets[2].first != NULL) == (merge != STP_AXIS_SORT));
+        assert_null(lists.sheets[2].kernel);
         axis_lists_release(&lists);
     }
     stp_scene_destroy(&scene);
@@ -215,12 +218,12 @@ static void expect_block(const struct medium *medium, const struct stp_camera *c
     size_t list = w * (size_t)blocks->across * blocks->down + b, at = blocks->first[list];
     assert_true(blocks->first[list + 1] - at <= blocks->longest);
     for (uint32_t i = walk->first; i < walk->first + walk->count; i++) {
-        bool listed = at < blocks->first[list + 1] && blocks->entry[at] == i;
         uint32_t k = lists->order[i];
+        bool listed = at < blocks->first[list + 1] && blocks->entry[at] == k;
         at += listed;
-        for (int p = 0; !listed && p < AXIS_BLOCK * AXIS_BLOCK; p++) {
-            int x = (int)(b % blocks->across) * AXIS_BLOCK + p % AXIS_BLOCK;
-            int y = (int)(b / blocks->across) * AXIS_BLOCK + p / AXIS_BLOCK;
+        for (int p = 0; !listed && p < AXIS_BLOCK_WIDTH * AXIS_BLOCK_HEIGHT; p++) {
+            int x = (int)(b % blocks->across) * AXIS_BLOCK_WIDTH + p % AXIS_BLOCK_WIDTH;
+            int y = (int)(b / blocks->across) * AXIS_BLOCK_HEIGHT + p / AXIS_BLOCK_WIDTH;
             struct ray ray = eye_ray(&medium->view->eye, x + 0.5, y + 0.5);
             struct medium_fragment f;
             assert_false(x < W && y < H &&
@@ -232,27 +235,73 @@ static void expect_block(const struct medium *medium, const struct stp_camera *c
     assert_int_equal(at, blocks->first[list + 1]);
 }
 
+static void expect_fullest(const struct axis_blocks *blocks, unsigned walks)
+{
+    size_t count = (size_t)blocks->across * blocks->down, most = 0;
+    for (size_t b = 0; b < count; b++) {
+        size_t sum = 0;
+        for (unsigned w = 0; w < walks; w++)
+            sum += blocks->first[w * count + b + 1] - blocks->first[w * count + b];
+        most = sum > most ? sum : most;
+    }
+    assert_int_equal(blocks->fullest, most);
+}
+
+/* The lists and blocks of one view after another, in the same memory. */
 static void blocks_hold_every_fragment(void **state)
 {
+    struct stp_scene *scene = random_scene(40, (double[]){ 0.25, 0.2, 0.3 });
+    struct axis_lists lists = { .merge = STP_AXIS_BLEND, .h = 0.5 };
+    struct axis_blocks blocks = { 0 };
     for (int v = 0; v < VIEWS + MORE_VIEWS; v++) {
-        struct stp_scene *scene = random_scene(40 + (uint32_t)v, (double[]){ 0.25, 0.2, 0.3 });
         struct stp_camera camera = view_of_index(v);
         struct view view = view_of_pixels(scene, &camera);
         struct medium medium;
-        struct axis_lists lists;
-        struct axis_blocks blocks;
         assert_int_equal(medium_init(NULL, &view, &medium), STP_OK);
-        assert_int_equal(axis_lists_build(NULL, scene, &camera, STP_AXIS_BLEND, 0.5, &lists),
-                         STP_OK);
-        assert_int_equal(axis_blocks_build(NULL, scene, &camera, &lists, &blocks), STP_OK);
+        assert_int_equal(axis_lists_update(NULL, scene, &camera, &lists), STP_OK);
+        assert_int_equal(axis_blocks_update(NULL, &lists, &blocks), STP_OK);
         for (unsigned w = 0; w < lists.walk_count; w++)
             for (uint32_t b = 0; b < blocks.across * blocks.down; b++)
                 expect_block(&medium, &camera, &lists, &blocks, w, b);
-        axis_blocks_release(&blocks);
-        axis_lists_release(&lists);
+        expect_fullest(&blocks, lists.walk_count);
         medium_release(&medium);
-        stp_scene_destroy(&scene);
     }
+    axis_blocks_release(&blocks);
+    axis_lists_release(&lists);
+    stp_scene_destroy(&scene);
+}
+
+/* A former view leaves nothing behind. */
+static void updated_as_built(void **state)
+{
+    struct stp_scene *scene = random_scene(41, (double[]){ 0.05, 0.05, 0.5 });
+    for (int merge = STP_AXIS_BLEND; merge <= STP_AXIS_SORT; merge++) {
+        struct axis_lists moved = { .merge = (enum stp_axis_merge)merge, .h = 0.7 };
+        struct axis_blocks at = { 0 };
+        for (int v = VIEWS + MORE_VIEWS - 1; v >= 0; v--) {
+            struct stp_camera camera = view_of_index(v);
+            camera.width -= (uint32_t)(v % 3);
+            struct axis_lists fresh;
+            struct axis_blocks own = { 0 };
+            assert_int_equal(axis_lists_update(NULL, scene, &camera, &moved), STP_OK);
+            assert_int_equal(axis_blocks_update(NULL, &moved, &at), STP_OK);
+            assert_int_equal(axis_lists_build(NULL, scene, &camera, moved.merge, 0.7, &fresh),
+                             STP_OK);
+            assert_int_equal(axis_blocks_update(NULL, &fresh, &own), STP_OK);
+            assert_int_equal(moved.count, fresh.count);
+            assert_int_equal(moved.visible, fresh.visible);
+            assert_int_equal(at.count, own.count);
+            if (fresh.count) {
+                assert_memory_equal(moved.order, fresh.order, fresh.count * sizeof *fresh.order);
+                assert_memory_equal(at.entry, own.entry, own.count * sizeof *own.entry);
+            }
+            axis_blocks_release(&own);
+            axis_lists_release(&fresh);
+        }
+        axis_blocks_release(&at);
+        axis_lists_release(&moved);
+    }
+    stp_scene_destroy(&scene);
 }
 
 static void one_voxel_and_none(void **state)
@@ -267,6 +316,7 @@ static void one_voxel_and_none(void **state)
     look_at(&camera, v3(0, 0, 5), v3(0, 0, 10)); /* behind the eye */
     assert_int_equal(axis_lists_build(NULL, scene, &camera, STP_AXIS_BLEND, 0.85, &lists), STP_OK);
     assert_true(lists.walk_count == 0 && lists.count == 0 && !lists.order);
+    axis_lists_release(&lists);
     stp_scene_destroy(&scene);
 }
 
@@ -293,12 +343,12 @@ static void threads_and_allocations(void **state)
         }
         assert_int_equal(a.count, b.count);
         assert_memory_equal(a.order, b.order, a.count * sizeof *a.order);
-        struct axis_blocks x = { 0 }, y;
-        assert_int_equal(axis_blocks_build(&many, scene, &camera, &b, &y), STP_OK);
+        struct axis_blocks x = { 0 }, y = { 0 };
+        assert_int_equal(axis_blocks_update(&many, &b, &y), STP_OK);
         result = STP_ERROR_MEMORY;
         for (unsigned long n = 1; result != STP_OK; n++) {
             mem_fail_at(n);
-            result = axis_blocks_build(&one, scene, &camera, &a, &x);
+            result = axis_blocks_update(&one, &a, &x);
             mem_fail_at(0);
             assert_true(result == STP_OK || (result == STP_ERROR_MEMORY && !x.first));
             assert_true(n < 50);
@@ -321,6 +371,7 @@ int main(void)
         cmocka_unit_test(one_axis_one_list),
         cmocka_unit_test(some_weight_is_one),
         cmocka_unit_test(blocks_hold_every_fragment),
+        cmocka_unit_test(updated_as_built),
         cmocka_unit_test(one_voxel_and_none),
         cmocka_unit_test(threads_and_allocations),
     };

@@ -19,6 +19,11 @@ static enum stp_result write_none(const struct stp_env *env, const struct stp_im
     const struct stp_exr_params params = { .compression = STP_COMPRESSION_NONE };
     return stp_image_write_exr(env, image, path, &params);
 }
+static enum stp_result write_deep(const struct stp_env *env, const struct stp_image *image,
+                                  const char *path)
+{
+    return stp_image_write_deep_exr(env, image, path, NULL);
+}
 static enum stp_result write_png(const struct stp_env *env, const struct stp_image *image,
                                  const char *path)
 {
@@ -29,15 +34,15 @@ static enum stp_result write_camera(const struct stp_env *env, const struct stp_
 {
     return stp_camera_save(env, path, &image->camera);
 }
-static const write_fn writers[] = { write_zip, write_none, write_png, write_camera };
+static const write_fn writers[] = { write_zip, write_none, write_deep, write_png, write_camera };
 
 static struct stp_image *make_image(void)
 {
-    const char *names[] = { "R", "G", "B" };
+    const char *names[] = { "R", "G", "B", "A", "Z" };
     struct stp_image *image = NULL;
     uint32_t seed = 3;
     assert_int_equal(stp_image_create(90, 70, &image), STP_OK);
-    for (int c = 0; c < 3; c++) {
+    for (int c = 0; c < 5; c++) {
         float *plane = add_plane(image, names[c], STP_CHANNEL_FLOAT)->data.f;
         for (int i = 0; i < 90 * 70; i++)
             plane[i] = (float)(next_random(&seed) / 4294967296.0);

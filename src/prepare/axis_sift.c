@@ -1,0 +1,183 @@
+/* Which walks draw which kernels: those with a weight on a pixel where the kernel has a fragment.
+ */
+#include "prepare/axis_lists.h"
+
+#include <math.h>
+#include <string.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/thread.h"
+#include "prepare/axis_region.h"
+
+#define GRAIN     8192
+#define ALL_WALKS ((1u << AXIS_WALKS) - 1)
+
+struct sifting {
+    struct axis_view view;
+    struct axis_lists *lists;
+    struct axis_region region[AXIS_WALKS];
+    unsigned walks;    /* with a weight somewhere in the picture */
+    bool everywhere;   /* one list, whatever the rays */
+    uint8_t *whole;    /* of each block: the walks with a weight on all of it */
+    double least_peak; /* of a voxel of tau 1: no more than its greatest optical depth */
+};
+
+/* A region is convex: it holds a block when it holds its corners. */
+static bool holds_block(const struct axis_region *region, const struct axis_rectangle *r)
+{
+    double x0 = (double)r->x0 + 0.5, x1 = (double)r->x1 + 0.5;
+    double y0 = (double)r->y0 + 0.5, y1 = (double)r->y1 + 0.5;
+    return axis_region_holds(region, x0, y0) && axis_region_holds(region, x1, y0) &&
+           axis_region_holds(region, x0, y1) && axis_region_holds(region, x1, y1);
+}
+
+static void open_range(void *context, size_t begin, size_t end, unsigned worker)
+{
+    struct sifting *s = context;
+    for (size_t i = begin; i < end; i++) {
+        int64_t x = (int64_t)(i % s->lists->blocks_x) * AXIS_BLOCK_WIDTH;
+        int64_t y = (int64_t)(i / s->lists->blocks_x) * AXIS_BLOCK_HEIGHT;
+        const struct axis_rectangle r = { x, x + AXIS_BLOCK_WIDTH - 1, y,
+                                          y + AXIS_BLOCK_HEIGHT - 1 };
+        unsigned open = s->everywhere ? s->walks : 0, whole = open;
+        for (unsigned w = 0; !s->everywhere && w < AXIS_WALKS; w++) {
+            if (!(s->walks >> w & 1) || !axis_region_reaches(&s->region[w], &r))
+                continue;
+            open |= 1u << w;
+            whole |= (unsigned)holds_block(&s->region[w], &r) << w;
+        }
+        s->lists->open[i] = (uint8_t)open;
+        s->whole[i] = (uint8_t)whole;
+    }
+}
+
+/* Has the kernel a fragment in the region? */
+static bool draws(const struct sifting *s, unsigned w, const struct axis_rectangle *r,
+                  const struct axis_kernel *kernel, double tau)
+{
+    if (!s->everywhere && !axis_region_reaches(&s->region[w], r))
+        return false;
+    for (int64_t py = r->y0; py <= r->y1; py++)
+        for (int64_t px = r->x0; px <= r->x1; px++) {
+            double x = (double)px + 0.5, y = (double)py + 0.5;
+            if ((s->everywhere || axis_region_holds(&s->region[w], x, y)) &&
+                axis_hits(kernel->view, kernel->centre, tau, x, y))
+                return true;
+        }
+    return false;
+}
+
+static void find_blocks(const struct sifting *s, const struct axis_rectangle *r, unsigned *open,
+                        unsigned *whole)
+{
+    *open = 0;
+    *whole = ALL_WALKS;
+    for (int64_t y = r->y0 / AXIS_BLOCK_HEIGHT; y <= r->y1 / AXIS_BLOCK_HEIGHT; y++)
+        for (int64_t x = r->x0 / AXIS_BLOCK_WIDTH; x <= r->x1 / AXIS_BLOCK_WIDTH; x++) {
+            size_t block = (size_t)y * s->lists->blocks_x + (size_t)x;
+            *open |= s->lists->open[block];
+            *whole &= s->whole[block];
+        }
+}
+
+/* A fragment on the middle pixel, as most have, answers for every walk that has all the blocks; the
+ * rest is asked pixel by pixel. */
+static unsigned walks_of(const struct sifting *s, const struct axis_rectangle *r,
+                         const struct axis_kernel *kernel, double tau)
+{
+    double x = (double)((r->x0 + r->x1) / 2) + 0.5, y = (double)((r->y0 + r->y1) / 2) + 0.5;
+    unsigned open, whole, drawn = 0;
+    find_blocks(s, r, &open, &whole);
+    bool near = open && !s->view.is_ellipsoid &&
+                axis_nearly_meets(&s->view, kernel->centre, tau * s->least_peak, x, y);
+    if (near || (open && axis_hits(kernel->view, kernel->centre, tau, x, y)))
+        drawn = whole;
+    for (unsigned w = 0, rest = open & ~drawn; rest >> w; w++)
+        if (rest >> w & 1)
+            drawn |= (unsigned)draws(s, w, r, kernel, tau) << w;
+    return drawn;
+}
+
+static void sift_range(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct sifting *s = context;
+    for (size_t i = begin; i < end; i++) {
+        struct axis_rectangle r;
+        struct axis_kernel kernel;
+        axis_kernel(&s->view, (uint32_t)i, &kernel);
+        s->lists->mask[i] = 0;
+        if (!axis_pixels(kernel.view, kernel.centre, &r))
+            continue;
+        s->lists->mask[i] = (uint8_t)walks_of(s, &r, &kernel, axis_tau(&s->view, (uint32_t)i));
+        s->lists->span[i] =
+            (struct axis_span){ (uint16_t)r.x0, (uint16_t)r.x1, (uint16_t)r.y0, (uint16_t)r.y1 };
+    }
+}
+
+/* The walks whose region has a pixel; of the single list, the axis nearest to the view's. */
+static void find_walks(const struct stp_camera *camera, struct sifting *s)
+{
+    const struct axis_rectangle picture = { 0, (int64_t)camera->width - 1, 0,
+                                            (int64_t)camera->height - 1 };
+    struct axis_rays rays = axis_rays(camera);
+    if (s->everywhere) {
+        const double *m = camera->world_to_camera;
+        struct vec3 forward = v3(-m[8], -m[9], -m[10]);
+        const double v[3] = { forward.x, forward.y, forward.z };
+        unsigned axis = axis_dominant(forward);
+        s->walks = 1u << (2 * axis + (v[axis] < 0));
+        return;
+    }
+    for (unsigned w = 0; w < AXIS_WALKS; w++) {
+        struct axis_walk walk = { .axis = (uint8_t)(w / 2), .backwards = w % 2 != 0 };
+        s->region[w] = axis_region(&rays, s->lists, &walk);
+        s->walks |= (unsigned)axis_region_reaches(&s->region[w], &picture) << w;
+    }
+}
+
+static enum stp_result make_room(const struct stp_env *env, struct axis_lists *lists, size_t count,
+                                 const struct stp_camera *camera)
+{
+    const uint32_t side = 8; /* whole blocks of the picture's layout, which are square */
+    uint32_t x = (camera->width + side - 1) / side * side / AXIS_BLOCK_WIDTH;
+    uint32_t y = (camera->height + side - 1) / side * side / AXIS_BLOCK_HEIGHT;
+    if (!lists->mask)
+        lists->mask = mem_alloc(count, sizeof *lists->mask);
+    if (!lists->span)
+        lists->span = mem_alloc(count, sizeof *lists->span);
+    if (x != lists->blocks_x || y != lists->blocks_y) {
+        mem_free(lists->open);
+        lists->open = mem_alloc((size_t)x * y, sizeof *lists->open);
+        lists->blocks_x = x;
+        lists->blocks_y = y;
+    }
+    if (lists->mask && lists->span && lists->open)
+        return STP_OK;
+    return log_no_memory(env, count * (sizeof *lists->mask + sizeof *lists->span),
+                         "the kernels' walks");
+}
+
+enum stp_result axis_sift(const struct stp_env *env, const struct stp_scene *scene,
+                          const struct stp_camera *camera, struct axis_lists *lists)
+{
+    size_t count = scene->volume->kernels.count;
+    enum stp_result result = make_room(env, lists, count, camera);
+    if (result != STP_OK)
+        return result;
+    size_t blocks = (size_t)lists->blocks_x * lists->blocks_y;
+    struct sifting s = { .view = axis_view(scene, camera),
+                         .lists = lists,
+                         .everywhere =
+                             lists->merge == STP_AXIS_SINGLE || lists->merge == STP_AXIS_SORT,
+                         .whole = mem_alloc(blocks, 1) };
+    if (!s.whole)
+        return log_no_memory(env, blocks, "the walks of blocks");
+    s.least_peak =
+        kernel_amplitude() * sqrt(2 * M_PI) * KERNEL_SIGMA * volume_finest(&scene->volume->grid);
+    find_walks(camera, &s);
+    parallel_for(env, blocks, 1024, open_range, &s);
+    parallel_for(env, count, GRAIN, sift_range, &s);
+    mem_free(s.whole);
+    return STP_OK;
+}

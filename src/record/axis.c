@@ -1,0 +1,36 @@
+#include "record/record.h"
+
+#include "base/log.h"
+
+enum stp_result record_lists(const struct stp_env *env, struct record_frame *frame,
+                             const struct axis_lists *lists, const struct axis_blocks *blocks)
+{
+    const struct stp_plan *plan = frame->plan;
+    bool by_raster = plan->path == STP_PATH_RASTER;
+    uint8_t order = plan_find(plan, PLAN_ORDER), starts = plan_find(plan, PLAN_COUNTS);
+    enum stp_result result = STP_OK;
+    if (order != PLAN_NONE)
+        result = gpu_upload(env, frame->context, &frame->resources.buffer[order],
+                            by_raster ? lists->order : blocks->entry, plan->resource[order].bytes);
+    if (result == STP_OK && starts != PLAN_NONE)
+        result = gpu_upload(env, frame->context, &frame->resources.buffer[starts], blocks->first,
+                            plan->resource[starts].bytes);
+    return result;
+}
+
+enum stp_result record_view(const struct stp_env *env, struct record_frame *frame,
+                            const struct stp_scene *scene)
+{
+    const struct stp_plan *plan = frame->plan;
+    if (plan->method != STP_METHOD_AXIS || !plan->axis.count)
+        return STP_OK;
+    frame->axis.merge = plan->axis.merge;
+    frame->axis.h = plan->axis.h;
+    enum stp_result result = axis_lists_update(env, scene, &plan->camera, &frame->axis);
+    if (result == STP_OK && plan->constant[PLAN_ELLIPSOIDS]) /* the view weights them */
+        result = upload_ellipsoids(env, frame, scene,
+                                   &frame->resources.buffer[plan_find(plan, PLAN_SPLATS)]);
+    if (result == STP_OK && plan->path == STP_PATH_COMPUTE)
+        result = axis_blocks_update(env, &frame->axis, &frame->axis_blocks);
+    return result == STP_OK ? record_lists(env, frame, &frame->axis, &frame->axis_blocks) : result;
+}
