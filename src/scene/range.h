@@ -15,7 +15,7 @@
 
 /* Optical depth of a surface, seen from where it was measured; shared among the frames that see it.
  */
-#define RANGE_DEPTH_OF_SURFACE 3.0
+#define RANGE_DEPTH_OF_SURFACE 2.0
 /* Frames see one surface where their depths differ by less than this many deviations of both. Poses
  * that are a little off must not make two surfaces of one, or each would hide the other. */
 #define RANGE_AGREEMENT 8.0
