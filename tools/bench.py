@@ -7,7 +7,7 @@
                                                  `sp FILE OUT SIZE FRAMES`, to run between ours
   tools/bench.py transparency FILE.ply...        error and time of transparent pictures, opacity
                                                  0.3 and 0.6, both faces; interleaved over rounds
-                                                 with deferred keys over the same, opaque splats
+                                                 with the same splats, opaque; then the ratios
 
 The view is the one that point renderers are compared with here: the centre of the bounding box from
 direction (0.4, 0.3, 1), y up, 30 degrees, the largest |ndc| of a centre 0.95; 1024 x 1024, back
@@ -44,8 +44,18 @@ SPEED = [
     ["two-pass", "--path", "raster"], ["deferred", "--overlap", "0.4", "--path", "raster"],
 ]
 
-TRANSPARENT = [["exact"], ["exact", "--payload", "id"]]
-OPAQUE = [["deferred", "--overlap", "0.4"], ["deferred"], ["two-pass", "--path", "compute"]]
+TRANSPARENT = [["exact"], ["exact", "--payload", "id"], ["fast"], ["nearest"],
+               *[["peel", "--peel-layers", k] for k in ["1", "2", "4", "8", "16"]],
+               ["peel", "--path", "raster"]]
+OPAQUE = [["deferred", "--overlap", "0.4"], ["deferred"], ["two-pass", "--path", "compute"],
+          ["two-pass", "--path", "raster"]]
+# What is divided by what, of one opacity unless opaque, and the most that is aimed at.
+RATIOS = [
+    ("fast", "peel --path raster", 0.13), ("nearest", "peel --path raster", 0.20),
+    ("fast", "two-pass --path raster, opaque", 1.6), ("exact", "peel --peel-layers 8", 0.33),
+    ("exact", "deferred, opaque", 1.5), ("exact", "deferred --overlap 0.4, opaque", 1.5),
+    ("a peeled layer", "two-pass --path compute, opaque", 1.1),
+]
 
 
 def positions(path):
@@ -159,7 +169,21 @@ def layers(model, view, more, folder, repeat="7"):
         return json.load(file)["frame_ms"]["median"]
 
 
+def ratios(model, times):
+    """Of the same round; their median. A peeled layer: an eighth of what layers 9 to 16 take."""
+    for opacity in ["0.3", "0.6"]:
+        def of(name):
+            return times[name if name.endswith("opaque") else f"{name}, opacity {opacity}"]
+        times[f"a peeled layer, opacity {opacity}"] = [
+            (b - a) / 8 for a, b in zip(of("peel --peel-layers 8"), of("peel --peel-layers 16"))]
+        for what, base, most in RATIOS:
+            value = statistics.median(a / b for a, b in zip(of(what), of(base)))
+            print(f"| {os.path.basename(model)}, opacity {opacity} | {what} / {base} | {value:.2f} | "
+                  f"{most:.2f} |", flush=True)
+
+
 def transparency(models, folder, rounds):
+    measured = {}
     print("| model | what | PSNR, dB | worst | ms a frame, median | range over rounds |\n"
           "|---|---|---:|---:|---:|---:|")
     for model in models:
@@ -179,10 +203,14 @@ def transparency(models, folder, rounds):
             ways[f"{' '.join(way)}, opaque"] = ["--method", *way]
         for _ in range(rounds):
             for name, way in ways.items():
-                times.setdefault(name, []).append(layers(model, view, way, folder))
+                times.setdefault(name, []).append(layers(model, view, way, folder, "3"))
+        measured[model] = times
         for name, ms in times.items():
             print(f"| {os.path.basename(model)} | {name} | {errors.get(name, '- | -')} | "
                   f"{statistics.median(ms):.1f} | {min(ms):.1f} - {max(ms):.1f} |", flush=True)
+    print("\n| model | ratio of times | is | at most |\n|---|---|---:|---:|")
+    for model, times in measured.items():
+        ratios(model, times)
 
 
 def main():

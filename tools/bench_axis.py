@@ -2,12 +2,18 @@
 """Hofsetz and Max's tables on volumes of your own, as Markdown.
 
   tools/bench_axis.py tables FILE... [--view AZ,EL] [--rounds N]   splats, times and errors
+  tools/bench_axis.py speed FILE... [--view AZ,EL] [--rounds N]    times by compute and by raster
   tools/bench_axis.py popping FILE... [--view AZ,EL --to AZ,EL --frames N]
+  tools/bench_axis.py cold FILE...                                 from the command to the EXR
+  tools/bench_axis.py corners                                      weights from corners, not rays
 
 tables: splats drawn, the median of warm frames (interleaved over rounds), and the PSNR over covered
-pixels against the exact order of the float64 reference; 512 x 512, as in the paper. popping: the
+pixels against the exact order of the float64 reference; 512 x 512, as in the paper. speed: the same
+frames, and what of them is the CPU's: the lists that a changed camera takes. popping: the
 largest RMSE between neighbouring frames of a path from --view to --to, 256 x 256, of every merge and
-of the exact order itself. docs/results/axis.md was made with it.
+of the exact order itself. cold: wall clock of the whole command, the least of --rounds. corners: how far
+HM's weights, interpolated from the corners of a splat's square, are from those of each pixel's ray, in
+a view of all three axes. docs/results/axis.md was made with it.
 """
 import argparse
 import json
@@ -17,6 +23,7 @@ import re
 import statistics
 import subprocess
 import tempfile
+import time
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
@@ -108,11 +115,107 @@ def largest_step(file, options, ends, frames):
     return worst if not math.isnan(worst) else 0
 
 
+SPEED = [("compute", merge) for merge in ("blend", "clip", "single", "sort")] + [
+    ("raster", merge) for merge in ("blend", "single")]
+
+
+def one_speed(file, view, rounds, folder):
+    out, stats = os.path.join(folder, "out.exr"), os.path.join(folder, "stats.json")
+    rows = {way: ([], []) for way in SPEED}
+    for _ in range(rounds):
+        for path, merge in SPEED:
+            render(file, view, 512, out,
+                   ["--method", "axis", "--path", path, "--axis-merge", merge], stats, 3)
+            with open(stats, encoding="utf-8") as told:
+                figures = json.load(told)
+            frames, lists = rows[path, merge]
+            frames.append(figures["frame_ms"]["median"])
+            lists += [one["ms"] for one in figures["passes"] if one["name"].startswith("lists")]
+    return {way: [statistics.median(part) if part else 0 for part in row]
+            for way, row in rows.items()}
+
+
+def speed(files, view, rounds):
+    for file in files:
+        with tempfile.TemporaryDirectory() as folder:
+            rows = one_speed(file, view, rounds, folder)
+        frame = {way: row[0] for way, row in rows.items()}
+        print(f"\n**{os.path.basename(file)}**, view {view}\n")
+        print("| path | lists | frame, ms | of it lists on the CPU | of single |")
+        print("| --- | --- | ---: | ---: | ---: |")
+        for path, merge in SPEED:
+            ms, lists = rows[path, merge]
+            print(f"| {path} | {merge} | {ms:.0f} | {lists:.0f} | {ms / frame[path, 'single']:.2f} |")
+        print()
+        for what, one, other in (
+                ("blend, compute against raster", ("compute", "blend"), ("raster", "blend")),
+                ("single, compute against raster", ("compute", "single"), ("raster", "single")),
+                ("clip against sort, compute", ("compute", "clip"), ("compute", "sort")),
+                ("blend against sort, compute", ("compute", "blend"), ("compute", "sort"))):
+            print(f"{what}: {frame[one] / frame[other]:.2f}")
+
+
+def cold(files, rounds):
+    print("| volume | from the command to the EXR, s |")
+    print("| --- | ---: |")
+    with tempfile.TemporaryDirectory() as folder:
+        for file in files:
+            least = math.inf
+            for _ in range(rounds):
+                start = time.monotonic()
+                run("render", file, "--size", "512x512", "-o", os.path.join(folder, "o.exr"), "-q")
+                least = min(least, time.monotonic() - start)
+            print(f"| {os.path.basename(file)} | {least:.2f} |", flush=True)
+
+
+def weights_at(x, y, focal, h):
+    """HM 5.2 on the ray of a pixel, relative to the centre of a view down the diagonal."""
+    root2, root3, root6 = math.sqrt(2), math.sqrt(3), math.sqrt(6)
+    v = [1 / root3 + y / focal / root6 * -1 + x / focal / root2,
+         1 / root3 + y / focal / root6 * 2,
+         1 / root3 + y / focal / root6 * -1 - x / focal / root2]
+    most = max(abs(c) for c in v)
+    return [max((c / most - h) / (1 - h), 0) for c in v]
+
+
+def shares(w):
+    total = sum(c * c for c in w)
+    return [c * c / total if total > 0 else 0 for c in w]
+
+
+def corner_error(side, h, focal):
+    """The greatest and mean error of a list's share over squares of that side, 512 x 512."""
+    worst = total = count = 0
+    for left in range(-256, 256 - side, 37):
+        for top in range(-256, 256 - side, 37):
+            corners = [weights_at(left + side * i, top + side * j, focal, h)
+                       for j in (0, 1) for i in (0, 1)]
+            for j in range(0, side, max(1, side // 5)):
+                for i in range(0, side, max(1, side // 5)):
+                    s, t = (i + 0.5) / side, (j + 0.5) / side
+                    mixed = [(1 - t) * ((1 - s) * a + s * b) + t * ((1 - s) * c + s * d)
+                             for a, b, c, d in zip(*corners)]
+                    exact = shares(weights_at(left + i + 0.5, top + j + 0.5, focal, h))
+                    far = max(abs(a - b) for a, b in zip(shares(mixed), exact))
+                    worst, total, count = max(worst, far), total + far, count + 1
+    return worst, total / count
+
+
+def corners():
+    focal = 256 / math.tan(math.radians(22.5))
+    print("| side of the square, pixels | h | greatest error of a share w^2 / sum w^2 | mean |")
+    print("| ---: | ---: | ---: | ---: |")
+    for side in (5, 20, 100):
+        for h in (0.85, 0.95):
+            worst, mean = corner_error(side, h, focal)
+            print(f"| {side} | {h} | {worst:.4f} | {mean:.6f} |")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["tables", "popping"])
-    parser.add_argument("files", nargs="+", metavar="FILE")
+    parser.add_argument("what", choices=["tables", "speed", "popping", "cold", "corners"])
+    parser.add_argument("files", nargs="*", metavar="FILE")
     parser.add_argument("--view", default="45,35.264")
     parser.add_argument("--to", default="45,35.264")
     parser.add_argument("--frames", type=int, default=21)
@@ -120,6 +223,12 @@ def main():
     given = parser.parse_args()
     if given.what == "tables":
         tables(given.files, given.view, given.rounds)
+    elif given.what == "speed":
+        speed(given.files, given.view, given.rounds)
+    elif given.what == "cold":
+        cold(given.files, given.rounds)
+    elif given.what == "corners":
+        corners()
     else:
         popping(given.files, given.view, given.to, given.frames)
 

@@ -56,6 +56,7 @@ struct settings {
     struct stp_load_params load;
     struct stp_prepare_params prepare;
     struct stp_group_params group;
+    struct stp_fit_params fit;
     struct stp_frame_params frame;
     struct stp_render_params render;
     struct stp_context_params context;
@@ -70,7 +71,7 @@ struct settings {
     const char *output, *deep, *preview, *stats, *camera, *write_camera, *limits;
     uint32_t first_frame, last_frame;
     double exposure, least_psnr;
-    unsigned repeat, threads, rounds;
+    unsigned repeat, threads, rounds, fit_count;
     unsigned split; /* enum split */
     enum stp_toggle stream;
     bool half, quick, json, quiet, verbose, with_groups, calibrate;
@@ -263,7 +264,8 @@ int write_pictures(struct console *console, const struct settings *settings,
 /* One frame's object, with the keys that the man page lists, at the end of the list. */
 void stats_add(struct json_out *out, struct cJSON *list, const struct stp_limits *limits,
                const struct stp_facts *facts, const struct stp_plan *plan,
-               const struct stp_render_stats *render, const struct run_times *times);
+               const struct stp_render_stats *render, const struct run_times *times,
+               const struct stp_image *image);
 
 /* --- the commands -------------------------------------------------------------------------- */
 

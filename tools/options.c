@@ -70,6 +70,23 @@ const struct option_spec option_table[] = {
     { NULL, RENDER, "stats", 0, "FILE.json",
       "write what was done, the times and the bytes (default: none)",
       value_text, AT(stats), "the name of a file", 0, 0, NULL },
+    { NULL, PREPARE, "fit", 0, "TOL",
+      "replace the points by few elliptical splats with linear normal fields: no point lies farther "
+      "than TOL, in scene units, from the plane of a splat that holds it; 0: every point stays a "
+      "splat (default: off)",
+      value_real, AT(fit.tolerance), "a number from 0", 0, DBL_MAX, NULL },
+    { NULL, PREPARE, "fit-count", 0, "N",
+      "as --fit, with the tolerance that leaves at most N splats (default: off)",
+      value_count, AT(fit_count), "a whole number from 1 to 4294967295", 1, UINT32_MAX, NULL },
+    { NULL, PREPARE, "fit-color", 0, "TOL",
+      "the colours of a splat's points differ by at most TOL, linear (default: 0.1)",
+      value_real, AT(fit.color), "a number above 0", ABOVE_0, NULL },
+    { NULL, PREPARE, "fit-flat", 0, NULL,
+      "fit constant normals, not linear fields (default: off)",
+      value_flag, AT(fit.flat), NULL, 0, 0, NULL },
+    { NULL, PREPARE, "fit-smooth", 0, NULL,
+      "do not look for sharp edges, at which splats are clipped (default: off)",
+      value_flag, AT(fit.smooth), NULL, 0, 0, NULL },
     { NULL, PREPARE, "group", 0, NULL,
       "find the groups of the deferred method too, and store them (default: off)",
       value_flag, AT(with_groups), NULL, 0, 0, NULL },
@@ -227,6 +244,15 @@ const struct option_spec option_table[] = {
     { NULL, VIEW, "cull", 0, "none|back",
       "leave out splats that face away from the eye (default: none)",
       value_choice, AT(render.cull), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "shade", 0, "pixel|splat|flat",
+      "pixel: average normals, then shade once; splat: shade every splat, then average colours; "
+      "flat: the nearest splat alone, by its one normal. The latter two by two-pass or reference "
+      "(default: pixel)",
+      value_choice, AT(render.shade), NULL, 0, 0, NULL },
+    { NULL, PICTURE, "light-cube", 0, "auto|on|off",
+      "look light up in a cube map over normals, made once a frame: for many directional lights "
+      "(default: auto, which is off: it is nowhere measured faster)",
+      value_choice, AT(render.light_cube), NULL, 0, 0, NULL },
     { NULL, VIEW, "local-viewer", 0, NULL,
       "highlights seen from the eye's place (default: from its direction, one for the picture)",
       value_flag, AT(render.local_viewer), NULL, 0, 0, NULL },
@@ -280,10 +306,10 @@ const struct option_spec option_table[] = {
       value_bytes, AT(render.memory_limit), "a whole number above 0, K, M or G may follow", 0, 0,
       NULL },
 
-    { NULL, PICTURE, "axis-merge", 0, "blend|clip|single|sort",
+    { NULL, PICTURE, "axis-merge", 0, "auto|blend|clip|single|sort",
       "axis: which list serves a pixel; blend: those whose axes are nearly dominant on its ray, "
       "clip: the dominant one's, single: one for the picture, sort: one by distance from the eye "
-      "(default: blend)",
+      "(default: auto, of --method axis blend, of --method auto sort)",
       value_choice, AT(render.axis_merge), NULL, 0, 0, NULL },
     { NULL, PICTURE, "axis-h", 0, "H",
       "axis, blend: the share of the dominant component of a ray above which another axis's list "

@@ -165,7 +165,7 @@ static int add_stats(struct run *run, const struct frame *frame)
     if (!run->settings->stats)
         return EXIT_DONE;
     stats_add(&run->building, run->stats, run->limits, stp_scene_facts(run->scene), frame->plan,
-              &frame->stats, &run->times);
+              &frame->stats, &run->times, frame->image);
     if (!run->building.failed)
         return EXIT_DONE;
     console_error(&run->console, "out of memory");

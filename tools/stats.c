@@ -78,6 +78,25 @@ static void add_bytes(struct json_out *out, cJSON *stats, const struct stp_rende
     json_number(out, stats, "peak_rss", (double)usage.ru_maxrss * 1024);
 }
 
+/* Of a channel that --aov asked for: the most of a pixel, and the mean over what is covered. */
+static void add_plane(struct json_out *out, cJSON *stats, const struct stp_image *image,
+                      const char *name)
+{
+    const struct stp_channel *channel = image ? stp_image_find(image, name) : NULL;
+    double most = 0, sum = 0, covered = 0;
+    if (!channel)
+        return;
+    for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
+        double value = (double)channel->data.f[i];
+        most = fmax(most, value);
+        sum += value;
+        covered += value > 0;
+    }
+    cJSON *object = json_object(out, stats, name);
+    json_number(out, object, "max", most);
+    json_number(out, object, "mean", covered > 0 ? sum / covered : 0);
+}
+
 static void add_plan(struct json_out *out, cJSON *stats, const struct stp_plan *plan)
 {
     char *text = stp_plan_print(plan);
@@ -88,7 +107,8 @@ static void add_plan(struct json_out *out, cJSON *stats, const struct stp_plan *
 
 void stats_add(struct json_out *out, cJSON *list, const struct stp_limits *limits,
                const struct stp_facts *facts, const struct stp_plan *plan,
-               const struct stp_render_stats *render, const struct run_times *times)
+               const struct stp_render_stats *render, const struct run_times *times,
+               const struct stp_image *image)
 {
     struct stp_plan_summary summary;
     stp_plan_summarize(plan, &summary);
@@ -109,5 +129,7 @@ void stats_add(struct json_out *out, cJSON *list, const struct stp_limits *limit
     add_passes(out, stats, render);
     add_times(out, stats, render, times);
     add_bytes(out, stats, render);
+    add_plane(out, stats, image, "layers");
+    add_plane(out, stats, image, "fragments");
     add_plan(out, stats, plan);
 }

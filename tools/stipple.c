@@ -52,8 +52,11 @@ static const struct command commands[] = {
         "SCENE -o OUT.ply [options]",
         "the prepared splats, as a PLY",
         "Does once what every render would do first: drops what is not finite, estimates normals "
-        "and radii, and puts the splats in order. The result renders to the same picture.",
+        "and radii, and puts the splats in order. The result renders to the same picture. "
+        "With --fit or --fit-count it writes fewer, elliptical splats with linear normal fields, "
+        "and says on stderr how many and how near.",
         "  stipple prepare scan.ply -o splats.ply\n"
+        "  stipple prepare scan.ply -o few.ply --fit-count 10000\n"
         "  stipple prepare scan.ply -o splats.ply --group --overlap 0.6\n",
         1,
         1,

@@ -8,7 +8,7 @@ vec2 quotient(vec2 a, vec2 z) // z > 0
 
 ivec4 clipped_pixels(Splat s)
 {
-    vec3 e = s.radius * sqrt(max(vec3(0), 1 - s.normal * s.normal));
+    vec3 e = PHONG != 0 ? phong_reach(s.phong) : s.radius * sqrt(max(vec3(0), 1 - s.normal * s.normal));
     vec3 low = s.center - e, high = s.center + e;
     vec2 z = vec2(max(low.z, frame.near_depth), high.z);
     vec2 x = quotient(vec2(low.x, high.x), z), y = quotient(vec2(low.y, high.y), z);

@@ -25,6 +25,19 @@ struct OpticsData {
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer OpticsRef { OpticsData v[]; };
 
+struct PhongData {
+    vec3 u;
+    vec2 radius;
+    vec4 field;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer PhongRef { PhongData v[]; };
+
+struct ClipData {
+    vec3 first, second;
+    uint reflex;
+};
+layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ClipRef { ClipData v[]; };
+
 #include "shared/frame.h"
 
 layout(set = 0, binding = 0, scalar) uniform Frame { stp_frame_constants frame; };
@@ -60,7 +73,10 @@ layout(constant_id = 29) const bool MIXED = false;       // some splats are opaq
 layout(constant_id = 30) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
 layout(constant_id = 31) const uint HOST_DEPTH = 0;      // enum plan_host_depth
 layout(constant_id = 32) const bool DEEP = false;         // layers are kept one by one
-layout(constant_id = 33) const bool ELLIPSOIDS = false;  // axis: of range images
+layout(constant_id = 33) const uint PHONG = 0;            // 0 all are discs, 1 ellipses, 2 some clipped
+layout(constant_id = 34) const uint SHADE = 0;            // 0 pixels, 1 splats, 2 the nearest splat, flat
+layout(constant_id = 35) const bool LIGHT_CUBE = false;   // light is looked up over normals
+layout(constant_id = 36) const bool ELLIPSOIDS = false;  // axis: of range images
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

@@ -15,6 +15,12 @@ uint normal_encode(vec3 n)
     return uint(q.x & 0x3fff) | uint(q.y & 0x3fff) << 14;
 }
 
+// Of a fragment whose splat has a normal field; else it is the same all over the splat.
+uint fragment_encode(Splat s, Fragment f, uint encoded)
+{
+    return PHONG != 0 ? normal_encode(fragment_normal(s, f)) : encoded;
+}
+
 vec3 normal_decode(uint u)
 {
     vec2 o = vec2(int(u << 18) >> 18, int(u << 4) >> 18) * (1.0 / 8191.0);

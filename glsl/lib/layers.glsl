@@ -58,7 +58,7 @@ void ray_write(Ray ray, uvec2 p)
         OpticsData o = frame.optics.v[object_of_surface(true, ray.surface)];
         vec3 d = ray_direction(pixel_position(p));
         color = vec4(surface_glass(o, ray.color, ray.through * ray.tint, ray.first.normal, d,
-                                   ray.layers), 1);
+                                   float(ray.layers)), 1);
     }
     picture_write(p, ray.layers > 0, color, ray.first, ray.surface,
                   ray.layers);

@@ -40,13 +40,13 @@ struct Glass {
     vec3 seen;             // of the environment, through `layers` of them
 };
 
-Glass glass_at(OpticsData o, vec3 n, vec3 d, uint layers)
+Glass glass_at(OpticsData o, vec3 n, vec3 d, float layers)
 {
     Glass g;
     float dn = dot(d, n), c = min(abs(dn), 1);
     vec3 facing = dn > 0 ? -n : n, along = d + c * facing;
     vec3 ior = dn > 0 ? 1 / o.ior : o.ior;
-    float power = (OPTICS & STP_OPTICS_MULTI) != 0 ? float(layers) : 1;
+    float power = (OPTICS & STP_OPTICS_MULTI) != 0 ? layers : 1;
     // Beyond total reflection the ray leaves along the surface.
     vec3 scale = min(exp2(-power * log2(ior)), vec3(1 / max(length(along), 1e-6)));
     g.seen = environment_at(glass_bend(along, facing, scale.r), o.level);
@@ -62,7 +62,7 @@ Glass glass_at(OpticsData o, vec3 n, vec3 d, uint layers)
 
 // The nearest, transparent layer of a ray through `layers` of them. own: the layers' light,
 // premultiplied; through: what they all let pass.
-vec3 surface_glass(OpticsData o, vec3 own, vec3 through, vec3 n, vec3 d, uint layers)
+vec3 surface_glass(OpticsData o, vec3 own, vec3 through, vec3 n, vec3 d, float layers)
 {
     Glass g = glass_at(o, n, d, layers);
     return g.passed * (own + through * g.seen) + g.mirrored;

@@ -8,6 +8,7 @@ struct Pushed {
     float depth;  // of the surface at the place; the mean
     float front;  // nearest depth there, and what lies with it: at most `reach`
     float reach;
+    float before; // depth that a disc which misses the place by a pixel or so would hide from there
     uint count;
     Attributes attributes;
 };
@@ -23,14 +24,17 @@ Pushed push_from(uint coarse, ivec2 p, vec2 at, bool hiding)
     float depth[4];
     bool full = true;
     Pushed r;
-    r.front = r.reach = NOTHING;
+    r.front = r.reach = r.before = NOTHING;
     [[unroll]] for (int i = 0; i < 4; i++) {
         t[i] = texel_load(coarse, first + ivec2(i & 1, i >> 1) * side);
         Texel disc = t[i];
         float spread = 0.75 * float(1u << coarse) * (ORTHOGRAPHIC ? 1 : disc.depth) *
                        max(frame.inv_focal[0], frame.inv_focal[1]);
         disc.radius = hiding && disc.full ? max(disc.radius, spread) : disc.radius;
-        bool hit = disc_hit(disc, at, depth[i]) && texel_valid(disc);
+        float away2, reach, margin = spread * (1.5 / 0.75) / float(1u << coarse);
+        bool hit = disc_miss(disc, at, depth[i], away2, reach) && texel_valid(disc);
+        bool near = !hit && texel_valid(disc) && away2 <= (reach + margin) * (reach + margin);
+        r.before = near ? min(r.before, depth[i] + t[i].radius) : r.before;
         depth[i] = hit ? depth[i] : NOTHING;
         r.reach = depth[i] < r.front ? depth[i] + t[i].radius : r.reach;
         r.front = min(r.front, depth[i]);

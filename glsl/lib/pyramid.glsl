@@ -114,8 +114,9 @@ void attributes_store(uint level, ivec2 p, Attributes a)
 }
 
 // The disc as the ray through pixel position q meets it, in perspective. A disc seen so flat that it
-// would be thinner than the floor turns towards the eye until it is not. False: missed.
-bool disc_hit(Texel t, vec2 q, out float depth)
+// would be thinner than the floor turns towards the eye until it is not. False: missed. away2: squared
+// distance of the plane's hit from the centre, infinite without one; reach: the disc's radius.
+bool disc_miss(Texel t, vec2 q, out float depth, out float away2, out float reach)
 {
     vec2 inverse = vec2(frame.inv_focal[0], frame.inv_focal[1]);
     PRECISE vec2 d = (q - t.center) * inverse;
@@ -135,6 +136,15 @@ bool disc_hit(Texel t, vec2 q, out float depth)
     PRECISE vec3 v = (g * vec3(d, 0) - ray * rise) * (unit / den);
     PRECISE float plane = t.depth - unit * rise / den;
     depth = plane;
-    return den * g > 0 && dot(v, v) <= radius * radius;
+    bool meets = den * g > 0;
+    reach = radius;
+    away2 = meets ? dot(v, v) : NOTHING;
+    return meets && dot(v, v) <= radius * radius;
+}
+
+bool disc_hit(Texel t, vec2 q, out float depth)
+{
+    float away2, reach;
+    return disc_miss(t, q, depth, away2, reach);
 }
 #endif

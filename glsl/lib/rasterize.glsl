@@ -15,7 +15,7 @@ void visit(uint id, Splat s, Footprint f, bool clipped, uint encoded, uvec2 pixe
 {
     Fragment fragment;
     if (clipped ? clipped_hit(s, pixel, fragment)
-                : footprint_hit(f, place_offset(f.p, pixel), fragment))
+                : footprint_hit(f, s.phong, place_offset(f.p, pixel), fragment))
         fragment_emit(pixel_index(pixel - uvec2(frame.tile_x, frame.tile_y)), id, s, fragment,
                       encoded);
 }

@@ -31,6 +31,18 @@ Fragment fragment_again(uint id, uvec2 pixel, out Splat s)
     if (splat_clipped(s, floored))
         clipped_hit(s, at, fragment);
     else
-        footprint_hit(f, place_offset(f.p, at), fragment);
+        footprint_hit(f, s.phong, place_offset(f.p, at), fragment);
     return fragment;
+}
+
+// The normal of that fragment.
+vec3 normal_again(uint id, uvec2 pixel)
+{
+    Splat s;
+    if (PHONG == 0) {
+        splat_load(id, s);
+        return s.normal;
+    }
+    Fragment f = fragment_again(id, pixel, s);
+    return fragment_normal(s, f);
 }

@@ -99,8 +99,9 @@ Term slot_term(Slot slot, bool present, uvec2 p)
     uint id = slot_id(t.word), known = present ? id : 0;
     if (!PACKED && present) {
         Splat splat;
-        rho2 = fragment_again(id, p, splat).rho2;
-        n = splat.normal;
+        Fragment f = fragment_again(id, p, splat);
+        rho2 = f.rho2;
+        n = fragment_normal(splat, f);
         t.encoded = normal_encode(n);
     }
     float w = kernel_weight(rho2);

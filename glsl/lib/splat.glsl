@@ -15,11 +15,26 @@ struct Place {
     vec2 part;
 };
 
+// In double where the device can.
+#ifdef WITH_FLOAT64
+#define REAL double
+#define REAL2 dvec2
+#define REAL3 dvec3
+#define FRAME(name) frame.name##64
+#else
+#define REAL float
+#define REAL2 vec2
+#define REAL3 vec3
+#define FRAME(name) frame.name
+#endif
+#include "lib/phong.glsl"
+
 struct Splat {
     vec3 center, normal;
     float radius;
     uint tag;  // STP_TAG_*, object << 8
     Place place;
+    Phong phong; // with PHONG
 };
 
 // With offset d from the projected centre, in pixels:
@@ -32,10 +47,12 @@ struct Footprint {
     float zc;
     vec2 h;
     float reach; // a floored splat's depth stays within zc +- reach; else infinite
+    vec4 st;     // with PHONG: (s, t) den = st.xy (dx + q.y dy) + st.zw dy
 };
 
 struct Fragment {
     float rho2, depth;
+    vec2 st; // with PHONG: BSK Eq. 1
 };
 
 uint splat_group(Splat s)
@@ -58,17 +75,6 @@ vec2 place_offset(Place p, uvec2 pixel)
 // Camera frame and projection of the centre, in double where the device can: a pixel on an outline
 // then falls on the side where the reference puts it (docs/results/accuracy.md). Only products and
 // sums are done in double; the quotient is float, with its remainder beside it.
-#ifdef WITH_FLOAT64
-#define REAL double
-#define REAL2 dvec2
-#define REAL3 dvec3
-#define FRAME(name) frame.name##64
-#else
-#define REAL float
-#define REAL2 vec2
-#define REAL3 vec3
-#define FRAME(name) frame.name
-#endif
 void splat_place(vec3 a, inout Splat s)
 {
     const REAL r[9] = FRAME(rotation), t[3] = FRAME(translation);
@@ -110,10 +116,15 @@ bool splat_load(uint id, out Splat s)
     PRECISE REAL3 eye = REAL3(FRAME(eye)[0], FRAME(eye)[1], FRAME(eye)[2]);
     PRECISE REAL3 sight = ORTHOGRAPHIC ? eye : REAL3(a.xyz) - eye;
     PRECISE REAL away = b.x * sight.x + b.y * sight.y + b.z * sight.z;
-    if (TWO_SIDED && away > 0)
+    bool turned = TWO_SIDED && away > 0, faces = away < 0 || unknown;
+    if (turned)
         s.normal = -s.normal;
+    if (PHONG != 0)
+        s.phong = phong_load(id, b.xyz, s.normal, turned ? -1 : 1);
+    if (PHONG != 0 && CULL_BACK)
+        faces = faces || phong_faces(id, b.xyz, -sight);
     bool invisible = OPACITY != 0 && (s.tag & STP_TAG_INVISIBLE) != 0;
-    return !invisible && (!CULL_BACK || away < 0 || unknown);
+    return !invisible && (!CULL_BACK || faces);
 }
 
 vec2 splat_direction(Splat s)
@@ -144,6 +155,19 @@ float form_major(Form q, out vec2 axis)
     PRECISE float l = dot(along, along), major = mean + spread;
     axis = l > 0 ? along * inversesqrt(l) : vec2(1, 0);
     return major;
+}
+
+// Of an ellipse (docs/phong.md); first and second: the columns of the map to (s, t) den.
+Form form_ellipse(Splat s, out vec2 first, out vec2 second)
+{
+    float scale = ORTHOGRAPHIC ? 1 : s.center.z;
+    vec2 d = ORTHOGRAPHIC ? vec2(0) : splat_direction(s);
+    phong_columns(s.phong, d, scale, first, second);
+    PRECISE float g = dot(s.normal.xy, d) + s.normal.z;
+    PRECISE float area = scale / s.phong.radius.x * (scale / s.phong.radius.y);
+    PRECISE float root = area * frame.inv_focal[0] * frame.inv_focal[1] * g;
+    PRECISE Form q = Form(dot(first, first), dot(first, second), dot(second, second), root);
+    return q;
 }
 
 // rho^2 den^2. Diagonals are sums of squares for the same reason.
@@ -181,18 +205,23 @@ Footprint footprint_plane(Splat s)
 }
 
 // The screen-space floor: true when the splat is drawn by its floored affine ellipse.
-bool footprint_floor(Splat s, Form q, inout Footprint f)
+bool footprint_floor(Splat s, Form q, vec2 first, vec2 second, inout Footprint f)
 {
-    vec2 axis;
+    vec2 axis, radius = PHONG != 0 ? s.phong.radius : vec2(s.radius);
     float major = form_major(q, axis), least = 4 / (frame.floor_size * frame.floor_size);
-    PRECISE float g2 = f.g * f.g, scale = ORTHOGRAPHIC ? 1 / s.radius : s.center.z / s.radius;
-    PRECISE float area = scale * scale * frame.inv_focal[0] * frame.inv_focal[1]; // root / g
+    PRECISE float g2 = f.g * f.g;
+    PRECISE vec2 scale = (ORTHOGRAPHIC ? 1 : s.center.z) / radius;
+    PRECISE float area = scale.x * scale.y * frame.inv_focal[0] * frame.inv_focal[1]; // root / g
     PRECISE float minor = min(area * (area / major), least), lift = least - minor;
     if (!(major > least * g2) || s.center.z < frame.near_depth)
         return false;
     vec2 d = splat_direction(s);
     PRECISE float view2 = ORTHOGRAPHIC ? 1 : dot(d, d) + 1;
-    f.h = g2 > 1e-14 * view2 ? f.h / f.g : vec2(0);
+    bool across = g2 > 1e-14 * view2; // not edge-on
+    f.h = across ? f.h / f.g : vec2(0);
+    if (PHONG != 0)
+        f.st = phong_floored(first, second, axis, sqrt(least), sqrt(minor), across && f.g > 0 ? 1 : -1,
+                             s.phong.side * (across && f.g > 0 ? 1 : -1));
     f.reach = s.radius;
     PRECISE vec2 row = lift * axis.x * axis + vec2(minor, 0);
     f.q = form_squares(row.x, row.y, sqrt(minor * least));
@@ -204,24 +233,38 @@ bool footprint_floor(Splat s, Form q, inout Footprint f)
 Footprint footprint_make(Splat s, out bool floored)
 {
     Footprint f = footprint_plane(s);
-    Form q = form_exact(s);
-    floored = FLOOR ? footprint_floor(s, q, f) : false;
-    if (!floored)
+    vec2 first, second;
+    Form q;
+    if (PHONG != 0)
+        q = form_ellipse(s, first, second);
+    else
+        q = form_exact(s);
+    floored = FLOOR ? footprint_floor(s, q, first, second, f) : false;
+    if (!floored) {
         f.q = form_squares(q.a, q.b, q.root);
+        f.st = vec4(first, vec2(-first.y, first.x) * (s.phong.side * (q.root / q.a)));
+    }
     return f;
 }
 
+bool fragment_seen(Phong e, Fragment fragment)
+{
+    bool seen = fragment.depth >= frame.near_depth && fragment.depth <= frame.far_depth;
+    return PHONG == 2 ? seen && clip_keeps(e, fragment.st) : seen;
+}
+
 // False: the pixel's ray misses. d: sample minus the projected centre.
-bool footprint_hit(Footprint f, vec2 d, out Fragment fragment)
+bool footprint_hit(Footprint f, Phong e, vec2 d, out Fragment fragment)
 {
     PRECISE float den = f.g + f.ab.x * d.x + f.ab.y * d.y;
     PRECISE float u = d.x + f.q.y * d.y, form = f.q.x * u * u + f.q.z * d.y * d.y;
     PRECISE float inv = 1 / den;
     PRECISE float rise = (f.h.x * d.x + f.h.y * d.y) * inv;
     PRECISE float depth = f.zc + (FLOOR ? clamp(rise, -f.reach, f.reach) : rise);
-    fragment = Fragment(form * inv * inv, depth);
-    return form <= den * den && fragment.depth >= frame.near_depth &&
-           fragment.depth <= frame.far_depth;
+    fragment = Fragment(form * inv * inv, depth, vec2(0));
+    if (PHONG != 0)
+        fragment.st = (f.st.xy * u + f.st.zw * d.y) * inv;
+    return form <= den * den && fragment_seen(e, fragment);
 }
 
 // A depth as bits that order as it does, and are positive as an int too (STP_SUMS_NONE says why):
@@ -244,10 +287,23 @@ bool clipped_hit(Splat s, uvec2 pixel, out Fragment fragment)
     vec2 inv = vec2(frame.inv_focal[0], frame.inv_focal[1]);
     PRECISE vec3 ray = vec3((vec2(pixel) + sample_part(pixel) - c) * inv, 1);
     PRECISE float depth = dot(s.normal, s.center) / dot(s.normal, ray);
-    PRECISE vec3 v = (depth * ray - s.center) / s.radius;
-    fragment = Fragment(dot(v, v), depth);
-    return fragment.rho2 <= 1 && fragment.depth >= frame.near_depth &&
-           fragment.depth <= frame.far_depth;
+    PRECISE vec3 v = depth * ray - s.center;
+    if (PHONG != 0) {
+        PRECISE vec2 st = vec2(dot(v, s.phong.u), dot(v, s.phong.v)) / s.phong.radius;
+        fragment = Fragment(dot(st, st), depth, st);
+    } else {
+        PRECISE vec3 w = v / s.radius;
+        fragment = Fragment(dot(w, w), depth, vec2(0));
+    }
+    return fragment.rho2 <= 1 && fragment_seen(s.phong, fragment);
+}
+
+// Turned to the eye as the splat is.
+vec3 fragment_normal(Splat s, Fragment f)
+{
+    if (PHONG == 0)
+        return s.normal;
+    return phong_normal(s.phong, s.normal, f.st);
 }
 
 float kernel_weight(float rho2)
@@ -255,82 +311,7 @@ float kernel_weight(float rho2)
     return GAUSS ? exp(-2 * rho2) : max(0, 1 - rho2);
 }
 
-// How far the disc reaches along the depth axis.
-float splat_depth_reach(Splat s)
-{
-    return s.radius * sqrt(max(0, 1 - s.normal.z * s.normal.z));
-}
-
-bool splat_crosses_near(Splat s)
-{
-    return !(s.center.z - splat_depth_reach(s) > frame.near_depth);
-}
-
-// Bounds and hits are those of clipped.glsl and clipped_hit.
-bool splat_clipped(Splat s, bool floored)
-{
-    return !ORTHOGRAPHIC && !floored && splat_crosses_near(s);
-}
-
-bool splat_before_near(Splat s)
-{
-    return s.center.z + splat_depth_reach(s) < frame.near_depth;
-}
-
-// Offsets from the projected centre that the outline reaches; for splats before no plane.
-vec4 footprint_extent(Splat s, Footprint f, bool floored)
-{
-    vec2 focal = vec2(frame.focal[0], frame.focal[1]);
-    if (floored) {
-        vec2 e = sqrt(vec2(1 / f.q.x + f.q.y * f.q.y / f.q.z, 1 / f.q.z));
-        return vec4(-e, e);
-    }
-    vec3 n = s.normal;
-    if (ORTHOGRAPHIC) {
-        vec2 e = s.radius * focal * sqrt(max(vec2(0), 1 - n.xy * n.xy));
-        return vec4(-e, e);
-    }
-    // Tangent lines of the projected conic: det(q) = (alpha g / fx fy)^2 cancels (docs/deferred.md).
-    vec2 d = splat_direction(s);
-    float alpha = s.center.z / s.radius, m = dot(n.xy, n.xy), k = 1 / (alpha * alpha - m);
-    vec2 mid = (d * m + n.xy * n.z) * k;
-    vec2 e = n.xy * d + n.z;
-    vec2 reach = sqrt(mid * mid + (e * e + n.yx * n.yx * (1 + d * d)) * k);
-    return vec4(focal * (mid - reach), focal * (mid + reach));
-}
-
-// Pixel rectangle [xy, zw] within the tile, a thousandth of a pixel wider than the outline. Samples
-// may lie anywhere in a pixel.
-ivec4 pixels_of(vec4 box)
-{
-    if (SAMPLE_GRID > 1)
-        box += vec4(-0.5, -0.5, 0.5, 0.5);
-    vec2 low = vec2(frame.tile_x, frame.tile_y);
-    vec2 high = low + vec2(frame.tile_width, frame.tile_height) - 1;
-    vec2 from = max(ceil(box.xy - 0.5 - 1e-3), low), to = min(floor(box.zw - 0.5 + 1e-3), high);
-    // Empty boxes, and NaN, come out as from > to.
-    return all(lessThanEqual(from, to)) ? ivec4(from, to) : ivec4(0, 0, -1, -1);
-}
-
-ivec4 footprint_pixels(Splat s, Footprint f, bool floored)
-{
-    return pixels_of(footprint_extent(s, f, floored) + place_position(f.p).xyxy);
-}
-
-// Whether a thread may draw the splat alone: its pixels are few and no plane cuts it.
-bool bounds_small(Splat s, bool floored, ivec4 box)
-{
-    // In float: the product may exceed an int only where it is large anyway.
-    float area = float(box.z - box.x + 1) * float(box.w - box.y + 1);
-    return !splat_clipped(s, floored) && area <= float(STP_LARGE_AREA);
-}
-
-bool splat_small(Splat s, out bool floored, out ivec4 box)
-{
-    Footprint f = footprint_make(s, floored);
-    box = footprint_pixels(s, f, floored);
-    return bounds_small(s, floored, box);
-}
+#include "lib/bounds.glsl"
 
 // One of the opaque ones of a scene that is transparent elsewhere.
 bool splat_opaque(uint id)

@@ -1,12 +1,14 @@
 #include "lib/pixel.glsl"
 // A pixel's fixed-point sums: order-independent. Words: 0 id (low half) and depth bits (high half)
 // of the nearest, 1 weight, 2-4 normal, 5 depth above the nearest over epsilon, 6-8 colour,
-// 9 fragments. With REPAIR they live in the slots of a pixel that overflowed them (exact), else in
+// 9 fragments; 10 opacity, where splats have their own. With REPAIR they live in the slots of a pixel that overflowed them (exact), else in
 // a buffer of their own (two-pass).
+
+const uint SUM_WORDS = STP_SUM_WORDS + (OPACITY == 2 ? 1 : 0);
 
 uint sums_at(uint pixel, uint word)
 {
-    return REPAIR ? slot_index(pixel, word) : pixel * STP_SUM_WORDS + word;
+    return REPAIR ? slot_index(pixel, word) : pixel * SUM_WORDS + word;
 }
 
 bool sums_skip(uint pixel)

@@ -3,9 +3,14 @@
 // The light on a splat is the same for all its fragments: it is shaded once, by its vertices.
 const bool SHADED_ONCE = HEAD_LIGHT && !LOCAL_VIEWER;
 
+uint splat_object(uint id)
+{
+    return HAS_OBJECTS ? floatBitsToUint(frame.splats.v[2 * id + 1].w) >> 8 : 0;
+}
+
 MaterialData splat_material(uint id)
 {
-    return frame.materials.v[HAS_OBJECTS ? floatBitsToUint(frame.splats.v[2 * id + 1].w) >> 8 : 0];
+    return frame.materials.v[splat_object(id)];
 }
 
 vec3 splat_albedo(uint id)

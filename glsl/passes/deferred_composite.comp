@@ -34,7 +34,7 @@ Layer layer_by_id(uint id, uvec2 p)
     if (id != STP_NO_ID) {
         Splat s;
         Fragment f = fragment_again(id, p, s);
-        l = Layer(f.depth, id, uvec2(0), f.rho2, s.normal);
+        l = Layer(f.depth, id, uvec2(0), f.rho2, fragment_normal(s, f));
     }
     return l;
 }

@@ -10,7 +10,7 @@
 
 uint splat_encode(Splat s)
 {
-    return PACKED ? normal_encode(s.normal) : 0;
+    return PACKED && PHONG == 0 ? normal_encode(s.normal) : 0;
 }
 
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
@@ -18,7 +18,7 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
     uint layer = pixel * K + splat_group(s);
     if (VORONOI == 2 && f.depth > depth_ordered(frame.nearest.v[layer]) + frame.epsilon)
         return;
-    uint64_t key = PACKED ? key_packed(f, encoded) : key_id(f, id);
+    uint64_t key = PACKED ? key_packed(f, fragment_encode(s, f, encoded)) : key_id(f, id);
     atomicMin(frame.keys.v[layer], key);
 }
 

@@ -16,7 +16,9 @@ layout(location = 0) out uvec2 winner;
 void main()
 {
     Fragment f = fragment_here();
-#ifdef WITH_KEY
+#if defined(WITH_KEY) && defined(WITH_PHONG)
+    winner = key_words(f, normal_encode(normal_here(f)));
+#elif defined(WITH_KEY)
     winner = key_words(f, vary_encoded);
 #else
     winner = uvec2(vary_id, floatBitsToUint(f.depth));

@@ -9,7 +9,7 @@
 
 uint splat_encode(Splat s)
 {
-    return PACKED ? normal_encode(s.normal) : 0;
+    return PACKED && PHONG == 0 ? normal_encode(s.normal) : 0;
 }
 
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
@@ -22,7 +22,7 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
     uint at = slot_index(pixel, slot);
     // STP_TAG_OPAQUE to SLOT_OPAQUE.
     uint word = MIXED ? id | (s.tag & STP_TAG_OPAQUE) << 24 : id;
-    frame.keys.v[at] = PACKED ? key_packed(f, encoded) : key_id(f, word);
+    frame.keys.v[at] = PACKED ? key_packed(f, fragment_encode(s, f, encoded)) : key_id(f, word);
     if (KEY_IDS)
         frame.key_ids.v[at] = word;
 }

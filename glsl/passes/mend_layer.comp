@@ -75,10 +75,9 @@ Ray ray_restore(uint pixel)
     return r;
 }
 
-Surface summed(uint pixel, uint64_t now, out float alpha)
+Surface summed(uint pixel, uvec2 p, uint64_t now, out float alpha)
 {
     Surface s;
-    Splat splat;
     float scale = frame.sum_scale;
     s.id = uint(now);
     s.near_depth = mend_depth(now);
@@ -92,8 +91,7 @@ Surface summed(uint pixel, uint64_t now, out float alpha)
     if (OPACITY == 2 && s.weight >= 1e-6)
         alpha = sum(pixel, 8, scale) / s.weight;
     s.fragments = uint(word(pixel, MEND_SUMS + 9));
-    splat_load(splat_known(s.id), splat);
-    s.near_normal = splat.normal;
+    s.near_normal = normal_again(splat_known(s.id), p);
     return s;
 }
 
@@ -130,7 +128,7 @@ void turn(uint pixel, uvec2 p)
         return;
     float alpha;
     Ray ray = ray_restore(pixel);
-    Surface s = summed(pixel, now, alpha);
+    Surface s = summed(pixel, p, now, alpha);
     ray_layer(ray, p, s, MIXED && now == wall ? 1 : alpha);
     if (MIXED && now == wall)
         frame.keys.v[mend_at(pixel, MEND_WALL)] = STP_SUMS_NONE;

@@ -34,11 +34,12 @@ void add(uint pixel, uint word, float value, float scale)
 
 void sum(uint pixel, uint id, Splat s, Fragment f, float above)
 {
+    vec3 n = fragment_normal(s, f);
     float w = kernel_weight(f.rho2), scale = frame.sum_scale;
     add(pixel, 0, w, scale);
-    add(pixel, 1, w * s.normal.x, scale);
-    add(pixel, 2, w * s.normal.y, scale);
-    add(pixel, 3, w * s.normal.z, scale);
+    add(pixel, 1, w * n.x, scale);
+    add(pixel, 2, w * n.y, scale);
+    add(pixel, 3, w * n.z, scale);
     add(pixel, 4, w * above, scale);
     if (HAS_COLOR) {
         vec3 c = frame.colors.v[id];

@@ -9,17 +9,8 @@
 #define SURFACE_OBJECT(s) surface_object
 uint surface_object;
 #include "lib/shade.glsl"
+#include "lib/own.glsl"
 layout(local_size_x_id = 22) in;
-
-Surface own_surface(Texel own, vec2 q, ivec2 p)
-{
-    float depth;
-    bool hit = disc_hit(own, q, depth);
-    depth = hit ? max(depth, frame.near_depth) : own.depth;
-    Attributes a = attributes_load(0, p);
-    surface_object = a.object;
-    return Surface(1, own.normal, depth, a.color, own.normal, depth, a.id, 1);
-}
 
 void shade_pixel(uint block, ivec2 p, uvec2 pixel)
 {
@@ -37,13 +28,18 @@ void shade_pixel(uint block, ivec2 p, uvec2 pixel)
     }
     s.albedo /= frame.pyramid_color;
     bool hit = copied || r.weight > 0;
-    surface_write(pixel, hit, s);
-    if (hit)
+    // What lies behind a texel whose mean disc misses it may be hidden by the points' own discs.
+    bool doubtful = copied && s.depth > r.before;
+    if (!doubtful)
+        surface_write(pixel, hit, s);
+    if (hit && !doubtful)
         return;
     // Points round about may reach here yet: the passes over the rim see to it.
     uint slot = atomicAdd(frame.work.v[STP_WORK_EMPTY + 3], 1);
     frame.rim.v[slot] = uint(p.y) * frame.grid_width + uint(p.x);
     count_groups(STP_WORK_EMPTY, slot / STP_GROUP + 1);
+    if (doubtful)
+        return;
     frame.keys.v[grid_index(uvec2(p))] = packUint2x32(uvec2(STP_RIM_NONE, STP_RIM_DEPTH));
     frame.work.v[STP_WORK_FLAGS + block] = STP_BLOCK_TOUCHED;
 }

@@ -30,12 +30,19 @@ vec4 to_clip(vec2 pixel, float z, float w)
 vec4 disc_vertex(Splat s, vec2 turn)
 {
     vec3 n = s.normal;
+#ifdef WITH_PHONG
+    vec3 along = s.phong.radius.x * s.phong.u, beside = s.phong.radius.y * s.phong.v;
+    float least = min(s.phong.radius.x, s.phong.radius.y);
+#else
     vec3 e = normalize(abs(n.x) < 0.7 ? vec3(0, n.z, -n.y) : vec3(-n.z, 0, n.x));
+    vec3 along = s.radius * e, beside = s.radius * cross(n, e);
+    float least = s.radius;
+#endif
     vec2 focal = vec2(frame.focal[0], frame.focal[1]), c = vec2(frame.center[0], frame.center[1]);
     float facing = ORTHOGRAPHIC ? abs(n.z) : abs(dot(n, s.center)) / dot(s.center, s.center);
-    float thin = s.radius * min(focal.x, focal.y) * facing;
+    float thin = least * min(focal.x, focal.y) * facing;
     float wide = min(WIDE + SNAP / thin, WIDEST);
-    vec3 p = s.center + s.radius * wide * (turn.x * e + turn.y * cross(n, e));
+    vec3 p = s.center + wide * (turn.x * along + turn.y * beside);
     if (ORTHOGRAPHIC)
         return to_clip(c + focal * p.xy, 0.5, 1);
     return to_clip(c * p.z + focal * p.xy, frame.near_depth, p.z);
@@ -79,5 +86,14 @@ void main()
     vary_b = vec4(f.ab, f.h);
     vary_c = vec4(f.q, splat_clipped(s, floored) ? -1 : f.reach);
     vary_normal = s.normal;
+#ifdef WITH_PHONG
+    vary_encoded = 0;
+    Phong e = s.phong;
+    vary_st = f.st;
+    vary_field = s.normal + e.side * (e.field.x * e.u + e.field.z * e.v);
+    vary_field_s = e.side * e.field.y * e.u;
+    vary_field_t = e.side * e.field.w * e.v;
+#else
     vary_encoded = PACKED ? normal_encode(s.normal) : 0;
+#endif
 }

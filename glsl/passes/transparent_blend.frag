@@ -35,6 +35,9 @@ void main()
     vec3 color = vary_color.xyz;
     if (!SHADED_ONCE)
         color = shade(splat_material(vary_id), color, vary_normal, pixel_position(p), f.depth);
+    if ((OPTICS & STP_OPTICS_SURFACE) != 0 && opaque)
+        color = surface_mirrors(frame.optics.v[splat_object(vary_id)], color, vary_normal,
+                                ray_direction(pixel_position(p)));
     blended = vec4(color * vary_color.w, vary_color.w);
     // Slabs of the groups are shifted against each other, so that their seams do not meet. An opaque
     // fragment wins its slab.

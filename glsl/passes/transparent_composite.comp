@@ -2,13 +2,13 @@
 #extension GL_GOOGLE_include_directive : require
 // ZP Algorithms 2 and 3, compositing pass. The K blended images are averaged, those that cover the
 // pixel only; NEAREST: behind the nearest layer, which is interpolated as in Fig. 5 and shaded. Depth,
-// normal and the rest are the nearest layer's in either.
+// normal and the rest are the nearest layer's in either, and so is what it bends and mirrors.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
-#define ALL_BLOCKS
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
 #include "lib/transparent.glsl"
+#include "lib/glass.glsl"
 layout(set = 0, binding = 1, rg32ui) uniform readonly uimage2DArray winners;
 layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray blended;
 
@@ -87,9 +87,18 @@ void main()
     if (hit)
         s = near_surface(p, w, nearest, alpha);
     Look look = surface_look(p, hit, s);
-    vec4 color = mean_blended(p);
+    vec4 color = mean_blended(p), all = color;
+    bool clear = !splat_opaque(nearest.id);
 #ifdef NEAREST
-    color = vec4(alpha * look.color, alpha) + (1 - alpha) * color;
+    if (!clear)
+        surface_meet(look, p, hit, s);
+    vec3 near = alpha * look.color;
+    all = vec4(near, alpha) + (1 - alpha) * color;
+    LayersLight glass = LayersLight(near, (1 - alpha) * color, alpha);
+#else
+    LayersLight glass = LayersLight(vec3(0), color, alpha);
 #endif
-    picture_write(p, hit, color, look, s, 0);
+    if ((OPTICS & STP_OPTICS_GLASS) != 0 && hit && clear)
+        glass_show(glass, p, look, s, all);
+    picture_write(p, hit, all, look, s, 0);
 }

@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// ZP Algorithm 3, between the geometry passes: where the nearest layer of all groups ends. A mask of
-// each group by itself would count the first layer twice.
+// ZP Algorithms 2 and 3: which blocks have a fragment. MASK: between the geometry passes of
+// Algorithm 3, also where the nearest layer of all groups ends. A mask of each group by itself would
+// count the first layer twice.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #define ALL_BLOCKS
@@ -15,12 +16,16 @@ void main()
     if (!resolve_pixel(p, pixel))
         return;
     float near = 1.0 / 0.0;
-    uint id = 0;
-    for (uint k = 0; k < K; k++) {
+    uint id = STP_NO_ID;
+    [[unroll]] for (uint k = 0; k < K; k++) {
         uvec2 winner = imageLoad(winners, ivec3(p, k)).xy;
         float depth = winner.x == STP_NO_ID ? 1.0 / 0.0 : uintBitsToFloat(winner.y);
         id = depth < near ? winner.x : id;
         near = min(near, depth);
     }
+    if (id != STP_NO_ID)
+        frame.work.v[STP_WORK_FLAGS + pixel / STP_GROUP] = STP_BLOCK_TOUCHED;
+#ifdef MASK
     frame.nearest.v[p.y * frame.tile_width + p.x] = floatBitsToUint(near + object_epsilon(id));
+#endif
 }

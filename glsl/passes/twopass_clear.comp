@@ -2,7 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // Sums to zero, nearest to none.
 #include "lib/common.glsl"
-#include "lib/pixel.glsl"
+#include "lib/sums.glsl"
 layout(local_size_x = STP_GROUP) in;
 
 void main()
@@ -10,7 +10,7 @@ void main()
     uint block = workgroup_index();
     if (block >= frame.blocks_x * frame.blocks_y)
         return;
-    uint at = (block * STP_GROUP + gl_LocalInvocationIndex) * STP_SUM_WORDS;
-    for (uint i = 0; i < STP_SUM_WORDS; i++)
+    uint at = (block * STP_GROUP + gl_LocalInvocationIndex) * SUM_WORDS;
+    for (uint i = 0; i < SUM_WORDS; i++)
         frame.sums.v[at + i] = i == 0 ? STP_SUMS_NONE : 0ul;
 }

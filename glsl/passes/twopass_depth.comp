@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The classical first pass: the nearest depth of every pixel, and the lowest id that has it.
-// Without 64-bit atomics the id takes a pass of its own (NEAREST_ID).
+// Of a transparent scene, behind the layers that are peeled. Without 64-bit atomics the id takes a pass of its own (NEAREST_ID).
 #include "lib/common.glsl"
 #ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
@@ -11,6 +11,7 @@
 #endif
 #include "lib/splat.glsl"
 #include "lib/sums.glsl"
+#include "lib/peel.glsl"
 #ifndef NEAREST_ID
 #define FIRST_PASS
 #endif
@@ -22,7 +23,7 @@ uint splat_encode(Splat s)
 
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
-    if (sums_skip(pixel))
+    if (sums_skip(pixel) || peeled(pixel, id, f.depth))
         return;
     uint at = sums_at(pixel, 0), depth = depth_order(f.depth);
 #ifdef WITH_ATOMIC64

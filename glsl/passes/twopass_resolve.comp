@@ -1,11 +1,14 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Normalisation and deferred shading of the two-pass sums (ZP 3.1, third pass).
+// Normalisation and deferred shading of the two-pass sums (ZP 3.1, third pass); of a transparent scene,
+// of one more layer.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #include "lib/sums.glsl"
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
+#define RESOLVES
+#include "lib/peel.glsl"
 
 float sum(uint at, float scale)
 {
@@ -27,15 +30,21 @@ void main()
     s.weight = sum(sums_at(pixel, 1), scale);
     s.normal = vec3(sum(sums_at(pixel, 2), scale), sum(sums_at(pixel, 3), scale), sum(sums_at(pixel, 4), scale));
     s.depth = s.near_depth + sum(sums_at(pixel, 5), scale) / s.weight * (hit ? object_epsilon(s.id) : 0);
-    if (HAS_COLOR)
+    if (HAS_COLOR || SHADE == 1)
         s.albedo = vec3(sum(sums_at(pixel, 6), frame.color_scale), sum(sums_at(pixel, 7), frame.color_scale),
                         sum(sums_at(pixel, 8), frame.color_scale));
     s.fragments = uint(sums_buffer().v[sums_at(pixel, 9)]);
     s.near_normal = vec3(0, 0, -1);
-    if (hit) {
-        Splat splat;
-        splat_load(s.id, splat);
-        s.near_normal = splat.normal;
+    if (hit)
+        s.near_normal = normal_again(s.id, p);
+    if (SHADE == 2)
+        s = Surface(1, s.near_normal, s.near_depth, vec3(0), s.near_normal, s.near_depth, s.id, 1);
+    if (!PEEL) {
+        surface_write(p, hit, s);
+        return;
     }
-    surface_write(p, hit, s);
+    float alpha = splat_opacity(s.id);
+    if (OPACITY == 2 && s.weight > 0)
+        alpha = sum(sums_at(pixel, 10), scale) / s.weight;
+    peel_write(p, pixel, hit, s, alpha);
 }

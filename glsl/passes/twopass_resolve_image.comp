@@ -1,37 +1,20 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// Normalisation and deferred shading of the rasteriser's sums. PEEL: of one layer of several.
+// Normalisation and deferred shading of the rasteriser's sums. Of a transparent scene, of
+// one more layer.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #define ALL_BLOCKS
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
+#define RESOLVES
+#include "lib/peel.glsl"
 
 layout(set = 0, binding = 1, rg32ui) uniform readonly uimage2DArray nearest_image;
 layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray sum_image;
 layout(set = 0, binding = 4, rg32f) uniform readonly image2DArray depth_image;
 #ifdef WITH_COLOR
 layout(set = 0, binding = 5, rgba32f) uniform readonly image2DArray color_image;
-#endif
-
-#ifdef PEEL
-// Puts one more layer behind those that the picture holds, and peels it off. Depth and the rest stay
-// the first one's.
-void peel_write(uvec2 p, bool hit, Surface s, float alpha)
-{
-    if (!hit)
-        return;
-    uint i = p.y * frame.tile_width + p.x;
-    vec4 before = frame.out_color.v[i];
-    bool first = isinf(frame.out_depth.v[i]);
-    Look look = surface_look(p, hit, s);
-    if (first)
-        picture_write(p, hit, vec4(0), look, s, 0);
-    frame.out_color.v[i] = before + (1 - before.w) * alpha * vec4(look.color, 1);
-    if ((AOVS & 4) != 0 && before.w < 1)
-        frame.out_id.v[ID_WORDS * i + ID_WORDS - 1]++;
-    frame.nearest.v[i] = floatBitsToUint(s.near_depth + object_epsilon(s.id));
-}
 #endif
 
 void main()
@@ -56,16 +39,15 @@ void main()
 #ifdef WITH_COLOR
     s.albedo = imageLoad(color_image, at).xyz;
 #endif
-    Splat splat;
-    splat_load(hit ? s.id : 0, splat);
-    s.near_normal = splat.normal;
-#ifdef PEEL
-    float alpha = hit ? splat_opacity(s.id) : 0;
+    s.near_normal = normal_again(hit ? s.id : 0, p);
+    if (!PEEL) {
+        surface_write(p, hit, s);
+        return;
+    }
+    float alpha = splat_opacity(s.id);
 #ifdef WITH_COLOR
-    alpha = s.weight > 0 ? imageLoad(color_image, at).w / s.weight : alpha;
+    if (OPACITY == 2 && s.weight > 0)
+        alpha = imageLoad(color_image, at).w / s.weight;
 #endif
-    peel_write(p, hit, s, alpha);
-#else
-    surface_write(p, hit, s);
-#endif
+    peel_write(p, p.y * frame.tile_width + p.x, hit, s, alpha);
 }

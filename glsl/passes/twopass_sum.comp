@@ -1,13 +1,15 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // The classical second pass: weighted sums of what lies within epsilon of the nearest, in fixed
-// point, so that the order of the splats does not matter.
+// point, so that the order of the splats does not matter; of a transparent scene, of one layer.
 #include "lib/common.glsl"
 #ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
 #include "lib/splat.glsl"
 #include "lib/sums.glsl"
+#include "lib/peel.glsl"
+#include "lib/light.glsl"
 
 uint splat_encode(Splat s)
 {
@@ -35,20 +37,30 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
         return;
     uint64_t first = sums_buffer().v[sums_at(pixel, 0)];
     float nearest = depth_ordered(uint(first >> 32)), epsilon = object_epsilon(uint(first));
-    if (f.depth > nearest + epsilon)
+    if (f.depth > nearest + epsilon || peel_other(pixel, id, f.depth, uint(first)))
         return;
+    vec3 n = fragment_normal(s, f);
     float w = kernel_weight(f.rho2), scale = frame.sum_scale;
     sums_add(sums_at(pixel, 1), w, scale);
-    sums_add(sums_at(pixel, 2), w * s.normal.x, scale);
-    sums_add(sums_at(pixel, 3), w * s.normal.y, scale);
-    sums_add(sums_at(pixel, 4), w * s.normal.z, scale);
+    sums_add(sums_at(pixel, 2), w * n.x, scale);
+    sums_add(sums_at(pixel, 3), w * n.y, scale);
+    sums_add(sums_at(pixel, 4), w * n.z, scale);
     sums_add(sums_at(pixel, 5), w * ((f.depth - nearest) / epsilon), scale);
-    if (HAS_COLOR) {
-        vec3 c = frame.colors.v[id];
+    if (HAS_COLOR || SHADE == 1) {
+        vec3 c;
+        if (SHADE == 1) {
+            uvec2 p;
+            block_pixel(pixel / STP_GROUP, pixel % STP_GROUP, p);
+            c = shade_fragment(id, n, pixel_position(p), f.depth);
+        } else {
+            c = frame.colors.v[id];
+        }
         sums_add(sums_at(pixel, 6), w * c.x, frame.color_scale);
         sums_add(sums_at(pixel, 7), w * c.y, frame.color_scale);
         sums_add(sums_at(pixel, 8), w * c.z, frame.color_scale);
     }
+    if (OPACITY == 2)
+        sums_add(sums_at(pixel, 10), w * splat_opacity(id), scale);
     if ((AOVS & 2) != 0)
         atomicAdd(sums_halves().v[2 * sums_at(pixel, 9)], 1);
 }

@@ -43,6 +43,7 @@
 #define STP_OPTICS_GLASS    64u  /* what is transparent refracts */
 #define STP_OPTICS_MULTI    128u /* by all its layers */
 #define STP_OPTICS_ABSORBS  256u /* some surface has an absorption */
+#define STP_LIGHT_CUBE      128u /* texels along an edge of a face; neighbours share their edges */
 #define STP_NO_ID           0xffffffffu
 /* Of a splat's tag: group, flags, object. */
 #define STP_TAG_GROUP     63u
@@ -108,6 +109,15 @@ struct stp_material_gpu {
     float epsilon;
 };
 
+struct stp_phong_gpu {
+    float u[3], radius[2], field[4];
+};
+
+struct stp_clip_gpu {
+    float line[2][3]; /* what is missing keeps all */
+    uint reflex;
+};
+
 struct stp_optics_gpu {
     float ior[3];
     float level; /* of the environment, the fraction mixes in the next one; below 0: unmet */
@@ -122,11 +132,11 @@ struct stp_level_gpu {
 
 /* HM: kernels of one shape, and the walks that draw them; zero without them. */
 struct stp_axis_gpu {
-    float shape[6];  /* camera frame: xx xy xz yy yz zz */
-    float extent[3]; /* of the box around a kernel's reach */
-    float reach2;    /* squared, in deviations */
+    float shape[6];       /* camera frame: xx xy xz yy yz zz */
+    float extent[3];      /* of the box around a kernel's reach */
+    float reach2;         /* squared, in deviations */
     float least_exponent; /* log2 of exp(-reach2 / 2) */
-    float scale;     /* amplitude * sqrt(2 pi) */
+    float scale;          /* amplitude * sqrt(2 pi) */
     float least_alpha;
     float h;
     uint merge;              /* STP_AXIS_MERGE_* */
@@ -140,12 +150,15 @@ struct stp_frame_constants {
                 splats); /* 2 per splat: x y z radius; nx ny nz tag (STP_TAG_*, object << 8) */
     STP_ADDRESS(Vec3Ref, colors);        /* linear; with HAS_COLOR */
     STP_ADDRESS(FloatRef, opacities);    /* where they are not one for all */
+    STP_ADDRESS(PhongRef, ellipses);     /* with PHONG */
+    STP_ADDRESS(ClipRef, clips);         /* with PHONG 2 */
     STP_ADDRESS(MaterialRef, materials); /* one an object */
     STP_ADDRESS(OpticsRef, optics);      /* one an object; where surfaces meet the environment */
     STP_ADDRESS(Vec3Ref, environment);   /* its levels, each with two polar rows */
-    STP_ADDRESS(UintRef, order);     /* raster, a pass a layer: splats by group; axis: lists */
-    STP_ADDRESS(UintRef, work);      /* STP_WORK_* */
-    STP_ADDRESS(UintRef, objects);   /* pyramid: of points; with HAS_OBJECTS */
+    STP_ADDRESS(Vec3Ref, light_cube);    /* 2 a texel: diffuse, specular; with LIGHT_CUBE */
+    STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group; axis: lists */
+    STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
+    STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
     STP_ADDRESS(UintRef, rim);       /* pyramid: empty pixels, then, from the end, those points */
     STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair */
     STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
@@ -155,8 +168,9 @@ struct stp_frame_constants {
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
     STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour */
     STP_ADDRESS(Vec4Ref, axis_sums); /* axis, in parts: 2 a pixel and walk */
-    STP_ADDRESS(UintRef, host_words); /* the host's depth as it was copied, rows of what was copied */
-    STP_ADDRESS(FloatRef, limits);    /* the eye depth that ends each pixel's ray */
+    STP_ADDRESS(UintRef,
+                host_words);       /* the host's depth as it was copied, rows of what was copied */
+    STP_ADDRESS(FloatRef, limits); /* the eye depth that ends each pixel's ray */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);

@@ -34,10 +34,12 @@ enum stp_layers {
 };
 /* Which list serves a pixel (HM 3 and 5). */
 enum stp_axis_merge {
-    STP_AXIS_BLEND = 0, /* those that are nearly dominant on its ray, by Eq. 1 */
-    STP_AXIS_CLIP,      /* the one of its ray's dominant axis */
-    STP_AXIS_SINGLE,    /* Westover: one for the picture, of the view's axis */
-    STP_AXIS_SORT,      /* one, sorted by distance from the eye */
+    STP_AXIS_AUTO =
+        0,          /* of method axis: blend; of method auto: sort, but blend where an h is given */
+    STP_AXIS_BLEND, /* those that are nearly dominant on its ray, by Eq. 1 */
+    STP_AXIS_CLIP,  /* the one of its ray's dominant axis */
+    STP_AXIS_SINGLE, /* Westover: one for the picture, of the view's axis */
+    STP_AXIS_SORT,   /* one, sorted by distance from the eye */
 };
 enum stp_path { STP_PATH_AUTO = 0, STP_PATH_RASTER, STP_PATH_COMPUTE };
 enum stp_payload { STP_PAYLOAD_AUTO = 0, STP_PAYLOAD_ID, STP_PAYLOAD_PACKED };
@@ -50,6 +52,12 @@ enum stp_voronoi {
 enum stp_kernel {
     STP_KERNEL_PARABOLA = 0, /* 1 - rho^2 */
     STP_KERNEL_GAUSS,        /* exp(-2 rho^2), both for rho^2 <= 1 */
+};
+/* Where the light is computed; the latter two are baselines of method two-pass (BSK 6). */
+enum stp_shade {
+    STP_SHADE_PIXEL = 0, /* normals are averaged, and each pixel is shaded once */
+    STP_SHADE_SPLAT, /* each splat's fragment is shaded, then colours are averaged: as BSK blends */
+    STP_SHADE_FLAT,  /* the nearest splat alone, by its one normal; compute only */
 };
 enum stp_cull { STP_CULL_NONE = 0, STP_CULL_BACK };
 
@@ -97,6 +105,10 @@ struct stp_render_params {
     enum stp_payload payload; /* deferred, compute: what a key carries */
     enum stp_voronoi voronoi;
     enum stp_kernel kernel;
+    enum stp_shade shade;
+    enum stp_toggle light_cube; /* lighting looked up over normals (BSK 4.1): ON needs directional
+                                   lights, no local viewer and one shininess; AUTO: off, since it is
+                                   nowhere measured faster (docs/phong.md) */
     enum stp_cull cull;
     double epsilon;   /* 0: each object's own */
     double min_splat; /* least diameter of a projected splat, pixels; 0: 1.5; negative: off */

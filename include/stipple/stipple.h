@@ -16,6 +16,7 @@
 #include <stipple/environment.h>
 #include <stipple/scene.h>
 #include <stipple/range.h>
+#include <stipple/fit.h>
 #include <stipple/volume.h>
 #include <stipple/view.h>
 #include <stipple/image.h>

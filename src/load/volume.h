@@ -42,6 +42,17 @@ struct voxels {
 enum stp_result grid_from_voxels(const struct stp_env *env, const char *path,
                                  const struct file_bytes *bytes, size_t offset,
                                  const struct voxels *voxels, struct grid *grid);
+/* What lies behind a header, in its own file or another: may be packed by zlib; then skip bytes are
+ * left out, or, where skip is -1, all but the last that the voxels take. */
+struct voxel_bytes {
+    const struct file_bytes *bytes;
+    size_t begin;
+    bool packed;
+    double skip;
+};
+enum stp_result grid_from_bytes(const struct stp_env *env, const char *path,
+                                const struct voxel_bytes *from, const struct voxels *voxels,
+                                struct grid *grid);
 /* Counts and ranges that any reader's header must pass. */
 enum stp_result voxels_check(const struct stp_env *env, const char *path,
                              const struct voxels *voxels);

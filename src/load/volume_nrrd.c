@@ -128,24 +128,8 @@ static enum stp_result check(struct nrrd *file)
 static enum stp_result read_voxels(const struct nrrd *file, const struct file_bytes *bytes,
                                    size_t data, struct grid *grid)
 {
-    const struct voxels *v = &file->voxels;
-    size_t wanted = (size_t)(v->dims[0] * v->dims[1] * v->dims[2]) * record_type_size(v->type);
-    struct file_bytes unpacked = { 0 };
-    if (file->packed) {
-        enum stp_result result =
-            file_inflate(file->env, file->path, bytes->data + data, bytes->size - data, &unpacked);
-        if (result != STP_OK)
-            return result;
-        bytes = &unpacked;
-        data = 0;
-    }
-    if (file->skip == -1 && wanted <= bytes->size)
-        data = bytes->size - wanted;
-    else if (file->skip > 0)
-        data = file->skip < (double)(bytes->size - data) ? data + (size_t)file->skip : bytes->size;
-    enum stp_result result = grid_from_voxels(file->env, file->path, bytes, data, v, grid);
-    file_release(&unpacked);
-    return result;
+    const struct voxel_bytes from = { bytes, data, file->packed, file->skip };
+    return grid_from_bytes(file->env, file->path, &from, &file->voxels, grid);
 }
 
 enum stp_result nrrd_read(const struct stp_env *env, const char *path,

@@ -191,3 +191,29 @@ enum stp_result grid_from_voxels(const struct stp_env *env, const char *path,
     *grid = made;
     return STP_OK;
 }
+
+enum stp_result grid_from_bytes(const struct stp_env *env, const char *path,
+                                const struct voxel_bytes *from, const struct voxels *v,
+                                struct grid *grid)
+{
+    size_t wanted = (size_t)(v->dims[0] * v->dims[1] * v->dims[2]) * record_type_size(v->type);
+    const struct file_bytes *bytes = from->bytes;
+    struct file_bytes unpacked = { 0 };
+    size_t begin = from->begin;
+    if (from->packed) {
+        enum stp_result result =
+            file_inflate(env, path, bytes->data + begin, bytes->size - begin, &unpacked);
+        if (result != STP_OK)
+            return result;
+        bytes = &unpacked;
+        begin = 0;
+    }
+    if (from->skip == -1 && wanted <= bytes->size)
+        begin = bytes->size - wanted;
+    else if (from->skip > 0)
+        begin =
+            from->skip < (double)(bytes->size - begin) ? begin + (size_t)from->skip : bytes->size;
+    enum stp_result result = grid_from_voxels(env, path, bytes, begin, v, grid);
+    file_release(&unpacked);
+    return result;
+}

@@ -118,7 +118,7 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
     axis->least_exponent = (float)(-0.5 * KERNEL_REACH * KERNEL_REACH / M_LN2);
     axis->least_alpha = (float)LEAST_ALPHA;
     axis->h = (float)h;
-    axis->merge = (uint32_t)plan->params.axis_merge;
+    axis->merge = (uint32_t)(STP_AXIS_MERGE_BLEND + plan->params.axis_merge - STP_AXIS_BLEND);
     for (unsigned i = 0; i < plan->axis.walk_count; i++)
         axis->walk[i] = plan->axis.walk[i].axis | (plan->axis.walk[i].backwards ? 4u : 0u);
     plan->constant[PLAN_AXIS_WALKS] = plan->axis.walk_count;

@@ -41,10 +41,11 @@ static void layers(struct stp_plan *plan)
         char name[40];
         snprintf(name, sizeof name, layered ? "layers" : "layer %u", k);
         struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
-        pass->vertex =
-            layered ? PLAN_SHADER_RASTER_VERTEX_LAYERS : PLAN_SHADER_RASTER_VERTEX_ORDERED;
-        pass->shader = plan->constant[PLAN_PACKED] ? PLAN_SHADER_DEFERRED_FRAGMENT_PACKED
-                                                   : PLAN_SHADER_DEFERRED_FRAGMENT;
+        pass->vertex = plan_raster_shader(plan, layered ? PLAN_SHADER_RASTER_VERTEX_LAYERS
+                                                        : PLAN_SHADER_RASTER_VERTEX_ORDERED);
+        pass->shader = plan_raster_shader(plan, plan->constant[PLAN_PACKED]
+                                                    ? PLAN_SHADER_DEFERRED_FRAGMENT_PACKED
+                                                    : PLAN_SHADER_DEFERRED_FRAGMENT);
         pass->raster = PLAN_RASTER_WINNER;
         pass->layer = k;
         pass->layer_count = layered ? groups : 1;

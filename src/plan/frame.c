@@ -159,6 +159,8 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     bool one = plan->facts.uniform_opacity && plan->facts.objects == 1;
     c[PLAN_OPACITY] = !plan->facts.transparent ? 0 : one ? 1 : 2;
     c[PLAN_MIXED] = plan->facts.mixed;
+    c[PLAN_SHADE] = p->shade;
+    c[PLAN_PHONG] = plan->facts.clip_lines ? 2 : plan->facts.phong > 0;
     plan->frame.opacity = plan->facts.opacity_min;
 }
 
@@ -184,7 +186,9 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
     int exponent = 0, overlap = 0;
     frexp((double)plan->facts.splats, &overlap);
     int bits = overlap > 22 ? 62 - overlap : 40;
-    frexp(fmax(plan->facts.color_max, 1), &exponent);
+    double most =
+        p->shade == STP_SHADE_SPLAT ? plan_most_light(plan, scene) : (double)plan->facts.color_max;
+    frexp(fmax(most, 1), &exponent);
     f->sum_scale = ldexpf(1, bits);
     f->color_scale = ldexpf(1, bits - exponent);
     plan->light_count = f->light_count = scene->light_count;

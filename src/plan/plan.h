@@ -50,6 +50,9 @@ enum plan_constant {
     PLAN_OPTICS,
     PLAN_HOST_DEPTH, /* enum plan_host_depth */
     PLAN_DEEP,       /* layers are kept one by one */
+    PLAN_PHONG,      /* 0: all are discs; 1: ellipses; 2: some have clip lines */
+    PLAN_SHADE,      /* enum stp_shade */
+    PLAN_LIGHT_CUBE,
     PLAN_ELLIPSOIDS, /* axis: every kernel has its own shape, and together they are a surface */
     PLAN_CONSTANTS
 };
@@ -72,9 +75,12 @@ enum plan_slot {
     PLAN_SPLATS,
     PLAN_COLORS,
     PLAN_OPACITIES,
+    PLAN_ELLIPSES,
+    PLAN_CLIPS,
     PLAN_MATERIALS,
     PLAN_OBJECT_OPTICS,
     PLAN_ENVIRONMENT,
+    PLAN_LIGHTS,
     PLAN_ORDER,
     PLAN_WORK,
     PLAN_OBJECTS,
@@ -228,17 +234,18 @@ enum plan_shader {
     PLAN_SHADER_DEFERRED_FRAGMENT_PACKED,
     PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT,
     PLAN_SHADER_TWOPASS_SUM_FRAGMENT,
-    PLAN_SHADER_PEEL_DEPTH_FRAGMENT,
-    PLAN_SHADER_PEEL_SUM_FRAGMENT,
-    PLAN_SHADER_PEEL_RESOLVE,
-    PLAN_SHADER_PEEL_RESOLVE_COLOR,
+    PLAN_SHADER_RASTER_PHONG, /* the rasteriser's again, from its vertex shader on, for ellipses */
+    PLAN_SHADER_RASTER_PHONG_LAST =
+        PLAN_SHADER_RASTER_PHONG + PLAN_SHADER_TWOPASS_SUM_FRAGMENT - PLAN_SHADER_RASTER_VERTEX,
     PLAN_SHADER_TRANSPARENT_VERTEX,
     PLAN_SHADER_TRANSPARENT_BLEND_FRAGMENT,
     PLAN_SHADER_TRANSPARENT_OTHERS_FRAGMENT,
+    PLAN_SHADER_TRANSPARENT_TOUCHED,
     PLAN_SHADER_TRANSPARENT_MASK,
     PLAN_SHADER_TRANSPARENT_COMPOSITE,
     PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST,
     PLAN_SHADER_HOST_LIMITS,
+    PLAN_SHADER_LIGHT_CUBE,
     PLAN_SHADER_HOST_VERTEX,
     PLAN_SHADER_HOST_FRAGMENT,
     PLAN_SHADER_HOST_FRAGMENT_DEPTH,
@@ -371,6 +378,8 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
 
 /* plan/choose.c: method, path, payload, voronoi and why. */
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
+/* A volume, or ellipsoids of range images: kernels that need an order, and have no surface. */
+bool plan_of_medium(const struct stp_facts *facts);
 
 /* plan/transparency.c: AUTO where nothing is transparent; the method whose passes composite such
  * layers; checks what was asked for; why. */
@@ -392,6 +401,7 @@ uint8_t plan_resource(struct stp_plan *plan, const char *name, enum plan_slot sl
 uint8_t plan_image(struct stp_plan *plan, const char *name, enum plan_slot slot,
                    enum plan_format format, uint32_t layers);
 struct plan_pass *plan_pass(struct stp_plan *plan, enum plan_kind kind, const char *name);
+/* PLAN_SPLATS: all that a splat is, where it is more than a disc; PLAN_MATERIALS: and the light. */
 void plan_reads(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 void plan_writes(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 void plan_updates(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
@@ -403,6 +413,8 @@ void plan_fill(struct stp_plan *plan, enum plan_slot slot, uint32_t value, const
 void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_shader,
                 enum plan_shader large_shader, bool repair, const enum plan_slot *updated);
 void plan_blocks(struct stp_plan *plan);
+/* An output that is written, or, where frames add to each other, added to. */
+void plan_outputs(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 /* A resolving pass over the touched blocks; reads `read` (ends with PLAN_SLOTS), writes the
  * outputs. */
 void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shader, bool repair,
@@ -446,9 +458,8 @@ struct plan_grid plan_tile_grid(const struct stp_plan *plan, const struct plan_t
 /* Workgroups of a pass over one level of a grid. */
 uint32_t plan_level_blocks(const struct plan_grid *grid, uint32_t level);
 void plan_transparent(struct stp_plan *plan);
-/* Resources and passes before those that are repeated for every layer; then these. */
+/* Before the two-pass method is repeated for every layer: nothing is peeled. */
 void plan_peel_begin(struct stp_plan *plan);
-void plan_peel(struct stp_plan *plan);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
@@ -476,6 +487,24 @@ void plan_turn_environment(struct stp_plan *plan);
 enum stp_result plan_tiles(const struct stp_env *env, struct stp_plan *plan);
 /* Tiles of that size over the camera's picture. */
 void plan_place_tiles(struct stp_plan *plan);
+
+/* plan/shade.c: can light be computed as asked? Logs why not. */
+enum stp_result plan_check_shade(const struct stp_env *env, const struct stp_plan *plan);
+/* plan/light_cube.c: whether light is looked up; logs why it cannot be. */
+enum stp_result plan_light_cube(const struct stp_env *env, struct stp_plan *plan);
+/* Its buffer, and the pass that fills it; before the passes that shade. */
+void plan_light_cube_steps(struct stp_plan *plan);
+/* How far a component of a pixel's colour may be from what its lights give, for one albedo. */
+double plan_light_cube_error(const struct stp_plan *plan, const struct stp_material *material,
+                             double albedo);
+/* The most that one splat's fragment can shine, by any of the scene's lights. */
+double plan_most_light(const struct stp_plan *plan, const struct stp_scene *scene);
+
+/* plan/phong.c: may this method draw ellipses? Logs why not. */
+enum stp_result plan_check_phong(const struct stp_env *env, const struct stp_plan *plan);
+void plan_phong_resources(struct stp_plan *plan);
+/* A shader of the rasteriser, as the plan's splats need it. */
+enum plan_shader plan_raster_shader(const struct stp_plan *plan, enum plan_shader shader);
 
 /* plan/host.c: makes of a plan's copy that of a frame whose layers a host's depth cuts: what lies
  * behind it is not drawn. A plan without layers stays as it is. */

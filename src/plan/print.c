@@ -16,7 +16,7 @@ static const char *const constant_names[PLAN_CONSTANTS] = {
     "local_viewer", "background",   "aovs",      "squarings",   "repair",          "slot_ids",
     "atomic64",     "layered",      "float64",   "sample_grid", "lanes",           "axis_walks",
     "axis_cut",     "unlit",        "axis_walk", "axis_part",   "opacity",         "mixed",
-    "optics",       "host_depth",   "deep",
+    "optics",       "host_depth",   "deep",      "phong",       "shade",           "light_cube",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)
@@ -69,7 +69,7 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
 
 static void print_lists(FILE *out, const struct stp_plan *plan)
 {
-    static const char *const merges[] = { "blend", "clip", "single", "sort" };
+    static const char *const merges[] = { "auto", "blend", "clip", "single", "sort" };
     const struct axis_lists *lists = &plan->axis;
     fprintf(out, "lists: %s", merges[lists->merge]);
     if (lists->merge == STP_AXIS_BLEND)

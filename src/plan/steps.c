@@ -76,6 +76,12 @@ static void access(const struct stp_plan *plan, struct plan_pass *pass, enum pla
 void plan_reads(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot)
 {
     access(plan, pass, slot, PLAN_READ);
+    if (slot == PLAN_MATERIALS) /* what shades */
+        access(plan, pass, PLAN_LIGHTS, PLAN_READ);
+    if (slot != PLAN_SPLATS)
+        return;
+    access(plan, pass, PLAN_ELLIPSES, PLAN_READ);
+    access(plan, pass, PLAN_CLIPS, PLAN_READ);
 }
 
 void plan_writes(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot)
@@ -214,6 +220,14 @@ void plan_blocks(struct stp_plan *plan)
     plan_updates(plan, pass, PLAN_WORK);
 }
 
+void plan_outputs(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot)
+{
+    if (plan_samples(plan) > 1 || plan->transparency == STP_TRANSPARENCY_PEEL)
+        plan_updates(plan, pass, slot);
+    else
+        plan_writes(plan, pass, slot);
+}
+
 void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shader, bool repair,
                   const enum plan_slot *read)
 {
@@ -228,8 +242,5 @@ void plan_resolve(struct stp_plan *plan, const char *name, enum plan_shader shad
     for (; *read != PLAN_SLOTS; read++)
         plan_reads(plan, pass, *read);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
-        if (plan_samples(plan) > 1)
-            plan_updates(plan, pass, slot);
-        else
-            plan_writes(plan, pass, slot);
+        plan_outputs(plan, pass, slot);
 }

@@ -49,6 +49,7 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
     if (plan->constant[PLAN_OPACITY] == 2)
         plan_resource(plan, "opacities", PLAN_OPACITIES, PLAN_SCENE, n * 4);
+    plan_phong_resources(plan);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
 }
@@ -118,17 +119,16 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     if (compute && !pyramid)
         compute_resources(plan);
     bool peel = plan->transparency == STP_TRANSPARENCY_PEEL;
-    if (compute || peel)
+    if (compute || plan->transparency != STP_TRANSPARENCY_AUTO)
         clear_outputs(plan);
     plan_limits(plan);
     if (peel)
         plan_peel_begin(plan);
+    plan_light_cube_steps(plan);
     plan->repeat_first = plan->pass_count;
     if (compute)
         reset_arguments(plan);
-    if (peel)
-        plan_peel(plan);
-    else if (plan_covers(plan))
+    if (plan_covers(plan))
         plan_transparent(plan);
     else if (plan->method == STP_METHOD_DEFERRED)
         plan_deferred(plan);

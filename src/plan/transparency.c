@@ -73,22 +73,19 @@ static enum stp_result check_cover(const struct stp_env *env, const struct stp_p
 
 static enum stp_result check_peel(const struct stp_env *env, const struct stp_plan *plan)
 {
-    if (plan->params.path == STP_PATH_COMPUTE || plan_samples(plan) > 1)
+    if (plan_samples(plan) > 1)
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "transparency peel is drawn by the rasteriser, with one sample a pixel; "
-                         "transparency exact has a compute path and samples");
+                         "transparency peel has one sample a pixel; ask for exact");
+    if (plan->constant[PLAN_OPTICS] & STP_OPTICS_GLASS)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "transparency peel draws no glass before an environment; ask for exact, "
+                         "nearest or fast");
+    if (plan->params.path == STP_PATH_COMPUTE &&
+        !(plan->limits.features & STP_FEATURE_INT64_ATOMICS))
+        return log_error(env, STP_ERROR_FEATURE,
+                         "transparency peel --path compute needs shaderBufferInt64Atomics, which "
+                         "the device lacks; use --path raster");
     return STP_OK;
-}
-
-/* Only rays that are composited layer by layer know how much glass they cross. */
-static enum stp_result check_glass(const struct stp_env *env, const struct stp_plan *plan)
-{
-    if (!(plan->constant[PLAN_OPTICS] & STP_OPTICS_GLASS))
-        return STP_OK;
-    return log_error(env, STP_ERROR_ARGUMENT,
-                     "glass before an environment is drawn by transparency exact or reference, not "
-                     "by %s",
-                     stp_transparency_name(plan->transparency));
 }
 
 enum stp_result plan_choose_transparency(const struct stp_env *env, struct stp_plan *plan)
@@ -104,16 +101,10 @@ enum stp_result plan_choose_transparency(const struct stp_env *env, struct stp_p
                          "the two only",
                          stp_method_name(asked), stp_transparency_name(plan->transparency),
                          stp_method_name(method));
-    enum stp_result result = STP_OK;
     if (plan_covers(plan))
-        result = check_cover(env, plan);
+        return check_cover(env, plan);
     if (plan->transparency == STP_TRANSPARENCY_PEEL)
-        result = check_peel(env, plan);
-    if (result == STP_OK && plan->transparency != STP_TRANSPARENCY_EXACT &&
-        plan->transparency != STP_TRANSPARENCY_REFERENCE)
-        return check_glass(env, plan);
-    if (result != STP_OK)
-        return result;
+        return check_peel(env, plan);
     if (plan->transparency == STP_TRANSPARENCY_EXACT &&
         !(plan->limits.features & STP_FEATURE_INT64_ATOMICS))
         return log_error(env, STP_ERROR_FEATURE,

@@ -18,6 +18,8 @@ static struct plan_pass *draw_group(struct stp_plan *plan, const char *name, uin
     plan_reads(plan, pass, PLAN_COLORS);
     plan_reads(plan, pass, PLAN_OPACITIES);
     plan_reads(plan, pass, PLAN_MATERIALS);
+    plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
+    plan_reads(plan, pass, PLAN_ENVIRONMENT);
     plan_reads(plan, pass, PLAN_ORDER);
     return pass;
 }
@@ -54,42 +56,55 @@ static void nearest_layers(struct stp_plan *plan)
         plan_attaches(plan, pass, PLAN_IMAGE_ID);
         plan_attaches(plan, pass, PLAN_IMAGE_DEPTH);
     }
-    /* The least depth of all groups, plus epsilon: where the first layer ends. */
-    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "mask");
-    pass->shader = PLAN_SHADER_TRANSPARENT_MASK;
+}
+
+/* The blocks that have a fragment, for the composite; with a mask, also where the first layer of
+ * each pixel ends: the least depth of all groups, plus epsilon. */
+static void touched(struct stp_plan *plan, const char *name, enum plan_shader shader)
+{
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
+    pass->shader = shader;
     plan_reads(plan, pass, PLAN_SPLATS);
     plan_reads(plan, pass, PLAN_MATERIALS);
     plan_reads(plan, pass, PLAN_IMAGE_ID);
-    plan_writes(plan, pass, PLAN_NEAREST);
+    plan_updates(plan, pass, PLAN_WORK);
+    if (shader == PLAN_SHADER_TRANSPARENT_MASK)
+        plan_writes(plan, pass, PLAN_NEAREST);
+}
+
+static void resources(struct stp_plan *plan, bool nearest)
+{
+    uint32_t groups = plan->facts.cover.groups;
+    uint64_t homes = nearest ? plan->group_first[groups] : 0;
+    uint64_t blocks = plan_pixels(plan) / STP_GROUP;
+    plan_resource(plan, "order", PLAN_ORDER, PLAN_SCENE,
+                  ((uint64_t)plan->facts.cover.members + homes) * 4);
+    plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + 2 * blocks) * 4);
+    plan_image(plan, "nearest", PLAN_IMAGE_ID, PLAN_RG32UI, groups);
+    plan_image(plan, "slab", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
+    plan_image(plan, "blended", PLAN_IMAGE_SUM, PLAN_RGBA32F, groups);
+    if (nearest)
+        plan_resource(plan, "mask", PLAN_NEAREST, PLAN_TRANSIENT,
+                      (uint64_t)plan->tile_width * plan->tile_height * 4);
 }
 
 void plan_transparent(struct stp_plan *plan)
 {
+    const enum plan_slot images[] = { PLAN_IMAGE_ID, PLAN_IMAGE_SUM, PLAN_SLOTS };
     bool nearest = plan->transparency == STP_TRANSPARENCY_NEAREST;
-    uint32_t groups = plan->facts.cover.groups;
-    uint64_t homes = nearest ? plan->group_first[groups] : 0;
-    plan_resource(plan, "order", PLAN_ORDER, PLAN_SCENE,
-                  ((uint64_t)plan->facts.cover.members + homes) * 4);
-    plan_image(plan, "nearest", PLAN_IMAGE_ID, PLAN_RG32UI, groups);
-    plan_image(plan, "slab", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
-    plan_image(plan, "blended", PLAN_IMAGE_SUM, PLAN_RGBA32F, groups);
+    resources(plan, nearest);
+    plan_writes(plan, plan_pass(plan, PLAN_ARGUMENTS, "reset arguments"), PLAN_WORK);
     if (nearest) {
-        plan_resource(plan, "mask", PLAN_NEAREST, PLAN_TRANSIENT,
-                      (uint64_t)plan->tile_width * plan->tile_height * 4);
         nearest_layers(plan);
+        touched(plan, "mask", PLAN_SHADER_TRANSPARENT_MASK);
         blend_groups(plan, "others", PLAN_SHADER_TRANSPARENT_OTHERS_FRAGMENT);
     } else {
         blend_groups(plan, "blend", PLAN_SHADER_TRANSPARENT_BLEND_FRAGMENT);
+        touched(plan, "touched", PLAN_SHADER_TRANSPARENT_TOUCHED);
     }
-    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "composite");
-    pass->shader =
-        nearest ? PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST : PLAN_SHADER_TRANSPARENT_COMPOSITE;
-    plan_reads(plan, pass, PLAN_SPLATS);
-    plan_reads(plan, pass, PLAN_COLORS);
-    plan_reads(plan, pass, PLAN_OPACITIES);
-    plan_reads(plan, pass, PLAN_MATERIALS);
-    plan_reads(plan, pass, PLAN_IMAGE_ID);
-    plan_reads(plan, pass, PLAN_IMAGE_SUM);
-    for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
-        plan_writes(plan, pass, slot);
+    plan_blocks(plan);
+    plan_resolve(plan, "composite",
+                 nearest ? PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST
+                         : PLAN_SHADER_TRANSPARENT_COMPOSITE,
+                 false, images);
 }

@@ -1,11 +1,17 @@
-/* The classical 2+1 pass (ZP 3.1, BSK 4): nearest depth, sums within epsilon of it, normalise. */
+/* The classical 2+1 pass (ZP 3.1, BSK 4): nearest depth, sums within epsilon of it, normalise. Of a
+ * transparent scene it is depth peeling (ZP 2, 6.2), the baseline: the same passes are repeated
+ * once a layer, what is left of the ray lies in the picture itself, and PLAN_NEAREST holds where
+ * each pixel's peeled layers end. What a scene lacks is not accessed: without it none of this is
+ * there. */
 #include "plan/offer.h"
 
 static void compute(struct stp_plan *plan)
 {
     bool atomic64 = plan->constant[PLAN_ATOMIC64] != 0;
-    const enum plan_slot sums[] = { PLAN_SUMS, PLAN_SLOTS };
-    plan_resource(plan, "sums", PLAN_SUMS, PLAN_TRANSIENT, plan_pixels(plan) * STP_SUM_WORDS * 8);
+    const enum plan_slot sums[] = { PLAN_SUMS, PLAN_NEAREST, PLAN_SLOTS };
+    const enum plan_slot summed[] = { PLAN_SUMS, PLAN_SLOTS };
+    uint64_t words = STP_SUM_WORDS + (plan->constant[PLAN_OPACITY] == 2);
+    plan_resource(plan, "sums", PLAN_SUMS, PLAN_TRANSIENT, plan_pixels(plan) * words * 8);
     struct plan_pass *clear = plan_pass(plan, PLAN_DISPATCH, "clear sums");
     clear->shader = PLAN_SHADER_TWOPASS_CLEAR;
     plan_writes(plan, clear, PLAN_SUMS);
@@ -19,28 +25,32 @@ static void compute(struct stp_plan *plan)
                    false, sums);
     }
     plan_exchange(plan, PLAN_EXCHANGE_NEAREST, "exchange nearest");
-    plan_splat(plan, "sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
-               atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE, false,
-               sums);
+    if (plan->params.shade != STP_SHADE_FLAT) /* else the nearest is all there is */
+        plan_splat(plan, "sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
+                   atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE,
+                   false, sums);
     plan_exchange(plan, PLAN_EXCHANGE_SUMS, "exchange sums");
     if (!plan_is_root(plan))
         return;
     plan_blocks(plan);
-    plan_resolve(plan, "resolve", PLAN_SHADER_TWOPASS_RESOLVE, false, sums);
+    plan_resolve(plan, "resolve", PLAN_SHADER_TWOPASS_RESOLVE, false, summed);
+    plan_updates(plan, &plan->pass[plan->pass_count - 1], PLAN_NEAREST);
 }
 
 static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan_shader fragment,
                               enum plan_raster raster)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
-    pass->vertex = PLAN_SHADER_RASTER_VERTEX;
-    pass->shader = fragment;
+    pass->vertex = plan_raster_shader(plan, PLAN_SHADER_RASTER_VERTEX);
+    pass->shader = plan_raster_shader(plan, fragment);
     pass->raster = raster;
     pass->layer_count = 1;
     pass->splat_count = (uint32_t)plan->facts.splats;
     plan_reads(plan, pass, PLAN_SPLATS);
     plan_reads(plan, pass, PLAN_COLORS);
+    plan_reads(plan, pass, PLAN_OPACITIES);
     plan_reads(plan, pass, PLAN_MATERIALS);
+    plan_reads(plan, pass, PLAN_NEAREST);
     return pass;
 }
 
@@ -50,7 +60,9 @@ static void raster(struct stp_plan *plan)
     plan_image(plan, "depth test", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
     plan_image(plan, "sum", PLAN_IMAGE_SUM, PLAN_RGBA32F, 1);
     plan_image(plan, "depth sum", PLAN_IMAGE_SUM_DEPTH, PLAN_RG32F, 1);
-    if (plan->constant[PLAN_HAS_COLOR])
+    bool colors = plan->constant[PLAN_HAS_COLOR] || plan->constant[PLAN_OPACITY] == 2 ||
+                  plan->params.shade == STP_SHADE_SPLAT;
+    if (colors)
         plan_image(plan, "color sum", PLAN_IMAGE_SUM_COLOR, PLAN_RGBA32F, 1);
     struct plan_pass *pass =
         draw(plan, "visibility", PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT, PLAN_RASTER_WINNER);
@@ -62,18 +74,26 @@ static void raster(struct stp_plan *plan)
     plan_attaches(plan, pass, PLAN_IMAGE_SUM_DEPTH);
     plan_attaches(plan, pass, PLAN_IMAGE_SUM_COLOR);
     pass = plan_pass(plan, PLAN_DISPATCH, "normalise");
-    pass->shader = plan->constant[PLAN_HAS_COLOR] ? PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR
-                                                  : PLAN_SHADER_TWOPASS_RESOLVE_IMAGE;
+    pass->shader =
+        colors ? PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR : PLAN_SHADER_TWOPASS_RESOLVE_IMAGE;
     plan_reads(plan, pass, PLAN_SPLATS);
     plan_reads(plan, pass, PLAN_COLORS);
+    plan_reads(plan, pass, PLAN_OPACITIES);
     plan_reads(plan, pass, PLAN_MATERIALS);
     plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
     plan_reads(plan, pass, PLAN_ENVIRONMENT);
     for (enum plan_slot slot = PLAN_IMAGE_ID; slot <= PLAN_IMAGE_SUM_COLOR; slot++)
         if (slot != PLAN_IMAGE_DEPTH)
             plan_reads(plan, pass, slot);
+    plan_updates(plan, pass, PLAN_NEAREST);
     for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
-        plan_writes(plan, pass, slot);
+        plan_outputs(plan, pass, slot);
+}
+
+void plan_peel_begin(struct stp_plan *plan)
+{
+    plan_resource(plan, "peeled", PLAN_NEAREST, PLAN_TRANSIENT, plan_pixels(plan) * 4);
+    plan_fill(plan, PLAN_NEAREST, 0xff800000u, "nothing peeled");
 }
 
 void plan_twopass(struct stp_plan *plan)

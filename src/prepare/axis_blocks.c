@@ -7,7 +7,8 @@
 #include "base/thread.h"
 
 /* Of a walk's list, counted and filled apart; a block's entries are theirs in turn. */
-#define RUNS 16
+#define RUNS  16
+#define AHEAD 16 /* kernels that are fetched before their turn */
 
 struct blocking {
     const struct axis_lists *lists;
@@ -16,13 +17,14 @@ struct blocking {
     bool fill;
 };
 
-static void enter_run(const struct blocking *b, const struct axis_walk *walk, uint32_t *cursor,
-                      size_t from, size_t to)
+/* entry NULL: counts only. Kernels lie apart in memory where sheets are across x or y. */
+static inline void enter_run(const struct axis_lists *lists, unsigned bit, size_t from, size_t to,
+                             uint32_t *restrict cursor, uint32_t *restrict entry)
 {
-    const struct axis_lists *lists = b->lists;
-    unsigned bit = axis_walk_bit(walk);
     for (size_t i = from; i < to; i++) {
         uint32_t kernel = lists->order[i];
+        if (i + AHEAD < to)
+            __builtin_prefetch(&lists->span[lists->order[i + AHEAD]]);
         struct axis_span r = lists->span[kernel];
         for (unsigned y = r.y0 / AXIS_BLOCK_HEIGHT; y <= r.y1 / AXIS_BLOCK_HEIGHT; y++)
             for (unsigned x = r.x0 / AXIS_BLOCK_WIDTH; x <= r.x1 / AXIS_BLOCK_WIDTH; x++) {
@@ -30,8 +32,8 @@ static void enter_run(const struct blocking *b, const struct axis_walk *walk, ui
                 if (!(lists->open[block] >> bit & 1))
                     continue;
                 uint32_t at = cursor[block]++;
-                if (b->fill)
-                    b->blocks->entry[at] = kernel;
+                if (entry)
+                    entry[at] = kernel;
             }
     }
 }
@@ -45,7 +47,13 @@ static void enter_runs(void *context, size_t begin, size_t end, unsigned worker)
         size_t length = (walk->count + RUNS - 1) / RUNS, run = n % RUNS;
         size_t from = run * length < walk->count ? run * length : walk->count;
         size_t to = from + length < walk->count ? from + length : walk->count;
-        enter_run(b, walk, b->cursor + n * blocks, walk->first + from, walk->first + to);
+        uint32_t *cursor = b->cursor + n * blocks;
+        unsigned bit = axis_walk_bit(walk);
+        if (b->fill)
+            enter_run(b->lists, bit, walk->first + from, walk->first + to, cursor,
+                      b->blocks->entry);
+        else
+            enter_run(b->lists, bit, walk->first + from, walk->first + to, cursor, NULL);
     }
 }
 

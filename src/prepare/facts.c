@@ -187,3 +187,21 @@ enum stp_result facts_measure(const struct stp_env *env, struct splats *s, struc
     result = radii_median(env, s->radius, s->count, &facts->radius_median);
     return result == STP_OK ? find_outwardness(env, s, &facts->outwardness) : result;
 }
+
+enum stp_result facts_no_points(const struct stp_env *env, const struct stp_facts *f)
+{
+    const enum stp_result result = STP_ERROR_NO_POINTS;
+    if (f->points == 0)
+        return log_error(env, result, "no points to draw: there are none");
+    if (f->not_finite == f->points)
+        return log_error(env, result, "no points to draw: none of %zu has finite coordinates",
+                         f->points);
+    if (f->clipped == f->points)
+        return log_error(env, result, "no points to draw: all %zu lie outside the clip box",
+                         f->points);
+    return log_error(
+        env, result,
+        "no points to draw: of %zu, %zu have no finite coordinates and %zu lie outside "
+        "the clip box",
+        f->points, f->not_finite, f->clipped);
+}

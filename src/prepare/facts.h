@@ -24,4 +24,7 @@ void facts_origin(const double core[6], double origin[3]);
 enum stp_result facts_flux(const struct stp_env *env, const struct splats *splats,
                            const double centroid[3], double flux[2]);
 
+/* STP_ERROR_NO_POINTS, and the line that says where they all went. */
+enum stp_result facts_no_points(const struct stp_env *env, const struct stp_facts *facts);
+
 #endif

@@ -57,14 +57,6 @@ static enum stp_result join_objects(struct preparation *p, struct splats *splats
     return result == STP_OK ? order_splats(p->env, splats, NULL) : result;
 }
 
-static enum stp_result no_points(const struct preparation *p)
-{
-    const struct stp_facts *f = &p->facts;
-    return log_error(p->env, STP_ERROR_NO_POINTS,
-                     "no points to draw: %zu read, %zu not finite, %zu outside the clip box",
-                     f->points, f->not_finite, f->clipped);
-}
-
 void prepare_decide(const struct stp_scene *scene, const struct stp_prepare_params *params,
                     size_t estimated, struct stp_facts *f)
 {
@@ -102,7 +94,7 @@ static enum stp_result prepare(struct preparation *p, struct splats *splats, dou
     if (result != STP_OK)
         return result;
     if (splats->count == 0)
-        return no_points(p);
+        return facts_no_points(p->env, &p->facts);
     result = facts_measure(p->env, splats, &p->facts, core);
     if (result != STP_OK)
         return result;
@@ -122,7 +114,7 @@ enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene
     enum stp_result result = p.sets && p.first_input && scene->object_count > 0
                                  ? prepare(&p, &splats, core)
                              : scene->object_count > 0 ? log_no_memory(env, 64, "the objects")
-                                                       : no_points(&p);
+                                                       : facts_no_points(p.env, &p.facts);
     for (unsigned i = 0; p.sets && i < scene->object_count; i++)
         splats_release(&p.sets[i]);
     mem_free(p.sets);

@@ -268,9 +268,7 @@ static enum stp_result pass_over(const struct stp_env *env, struct stp_scene *sc
     if (result != STP_OK || m->lack)
         return result;
     if (m->facts.splats == 0)
-        return log_error(env, STP_ERROR_NO_POINTS,
-                         "no points to draw: %zu read, %zu not finite, %zu outside the clip box",
-                         m->facts.points, m->facts.not_finite, m->facts.clipped);
+        return facts_no_points(env, &m->facts);
     result = cut(env, m);
     if (result != STP_OK || m->lack)
         return result;

@@ -90,6 +90,12 @@ bool record_upload_points(const struct stp_env *env, struct record_frame *frame,
 /* 32 bits of an octahedral map, as unpackSnorm2x16 reads them. */
 uint32_t record_octahedral(const float n[3]);
 
+/* upload_phong.c */
+enum stp_result record_upload_ellipses(const struct stp_env *env, struct record_frame *frame,
+                                       const struct splats *splats, struct gpu_buffer *buffer);
+enum stp_result record_upload_clips(const struct stp_env *env, struct record_frame *frame,
+                                    const struct splats *splats, struct gpu_buffer *buffer);
+
 /* axis.c: the lists of a view, or of its blocks, into the frame's buffers. */
 enum stp_result record_lists(const struct stp_env *env, struct record_frame *frame,
                              const struct axis_lists *lists, const struct axis_blocks *blocks);

@@ -182,6 +182,12 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
             result = gpu_upload(env, frame->context, buffer, scene->splats.opacity,
                                 scene->splats.count * 4);
             break;
+        case PLAN_ELLIPSES:
+            result = record_upload_ellipses(env, frame, &scene->splats, buffer);
+            break;
+        case PLAN_CLIPS:
+            result = record_upload_clips(env, frame, &scene->splats, buffer);
+            break;
         case PLAN_MATERIALS:
             result = upload_materials(env, frame, scene, buffer);
             break;

@@ -41,15 +41,19 @@ static void floored_bound(struct disc *disc, double reach)
 }
 
 /* False when culled. Turns the normal to the eye. */
-static bool orient(const struct view *view, struct vec3 eye_to_centre, struct vec3 *normal)
+static bool orient(const struct view *view, struct vec3 eye_to_centre, struct disc *disc)
 {
-    if (v3_dot(*normal, *normal) == 0)
-        *normal = v3_unit(v3_scale(eye_to_centre, -1));
-    double facing = -v3_dot(*normal, eye_to_centre);
-    if (view->cull_back && !(facing > 0))
+    if (v3_dot(disc->normal, disc->normal) == 0)
+        disc->normal = v3_unit(v3_scale(eye_to_centre, -1));
+    struct vec3 towards = v3_scale(eye_to_centre, -1);
+    double facing = v3_dot(disc->normal, towards);
+    if (view->cull_back && !(facing > 0) &&
+        !(disc->is_ellipse && ellipse_faces(&disc->ellipse, towards, view->eye.orthographic)))
         return false;
-    if (view->two_sided && facing < 0)
-        *normal = v3_scale(*normal, -1);
+    if (view->two_sided && facing < 0) {
+        disc->normal = v3_scale(disc->normal, -1);
+        disc->ellipse.turned = -1;
+    }
     return true;
 }
 
@@ -62,7 +66,8 @@ bool disc_setup(const struct view *view, size_t id, struct disc *disc)
     disc->radius = splats->radius[id];
     if (splats->opacity && splats->opacity[id] == 0)
         return false;
-    if (!(disc->radius > 0) || !orient(view, eye_view(eye, disc->centre), &disc->normal))
+    disc->is_ellipse = ellipse_setup(view, id, disc);
+    if (!(disc->radius > 0) || !orient(view, eye_view(eye, disc->centre), disc))
         return false;
     double reach = 0;
     disc->is_floored = view->min_splat > 0 && -disc->centre.z >= eye->near_depth &&
@@ -80,6 +85,8 @@ static bool hit_floored(const struct disc *disc, double px, double py, struct fr
     double dx = px - f->px, dy = py - f->py, z = -disc->centre.z;
     fragment->rho2 = f->a * dx * dx + 2 * f->b * dx * dy + f->c * dy * dy;
     fragment->depth = fmin(fmax(z + f->zx * dx + f->zy * dy, z - disc->radius), z + disc->radius);
+    fragment->s = f->s[0] * dx + f->s[1] * dy;
+    fragment->t = f->t[0] * dx + f->t[1] * dy;
     return fragment->rho2 <= 1;
 }
 
@@ -91,6 +98,8 @@ static bool hit_disc(const struct disc *disc, const struct ray *ray, struct frag
     struct vec3 from_centre = v3_sub(ray_at(ray, depth), disc->centre);
     fragment->depth = depth;
     fragment->rho2 = v3_dot(from_centre, from_centre) / (disc->radius * disc->radius);
+    if (disc->is_ellipse)
+        ellipse_place(&disc->ellipse, from_centre, fragment);
     return fragment->rho2 <= 1; /* false for the NaN of a ray within the plane */
 }
 
@@ -99,5 +108,7 @@ bool disc_hit(const struct disc *disc, const struct eye *eye, const struct ray *
 {
     bool hit =
         disc->is_floored ? hit_floored(disc, px, py, fragment) : hit_disc(disc, ray, fragment);
+    if (hit && disc->is_ellipse && !ellipse_keeps(&disc->ellipse, fragment))
+        return false;
     return hit && fragment->depth >= eye->near_depth && fragment->depth <= eye->far_depth;
 }

@@ -37,7 +37,7 @@ static void sum_layer(const struct tile *tile, size_t at, uint32_t id, const str
     if (!opaque && fragment->depth >= c->opaque.depth)
         return;
     if (fragment->depth <= c->nearest.depth + splat_epsilon(tile->view, c->nearest.id))
-        sums_add(tile->view, &c->sums, id, disc, fragment);
+        sums_add(tile->view, &c->sums, id, disc, fragment, &tile->scratch->ray[at]);
     else if (!opaque)
         nearest_take(&c->next, id, disc, fragment);
 }

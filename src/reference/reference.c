@@ -61,6 +61,10 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (params->deep && (params->samples > 1 || scene->volume))
         return log_error(env, STP_ERROR_ARGUMENT,
                          "no deep picture of a volume, nor of several samples a pixel");
+    if (params->shade != STP_SHADE_PIXEL &&
+        (scene->facts.transparent || scene->environment.map.width))
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "--shade splat and flat draw opaque scenes without an environment");
     if (params->environment_behind && !scene->environment.map.width)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the scene has no environment to stand behind it");
@@ -74,6 +78,7 @@ struct view reference_view(const struct stp_scene *scene, const struct stp_camer
                          .width = camera->width,
                          .height = camera->height,
                          .kernel = params->kernel,
+                         .shade = params->shade,
                          .single_layer = params->layers == STP_LAYERS_SINGLE,
                          .cull_back = params->cull == STP_CULL_BACK,
                          .two_sided = scene->facts.two_sided,

@@ -36,18 +36,35 @@ void nearest_take(struct nearest *nearest, uint32_t id, const struct disc *disc,
                   const struct fragment *fragment)
 {
     if (fragment->depth < nearest->depth)
-        *nearest = (struct nearest){ fragment->depth, id, disc->normal };
+        *nearest = (struct nearest){ fragment->depth, id, fragment_normal(disc, fragment) };
+}
+
+/* Light that one splat sends by itself. */
+static struct vec3 shade_alone(const struct view *view, uint32_t id, struct vec3 normal,
+                               const struct ray *ray, double depth)
+{
+    struct surface s = { .depth = depth,
+                         .opacity = 1,
+                         .normal = normal,
+                         .point = ray_at(ray, depth),
+                         .albedo = splat_albedo(view, id),
+                         .id = id };
+    return surface_shade(view, &s);
 }
 
 void sums_add(const struct view *view, struct sums *sums, uint32_t id, const struct disc *disc,
-              const struct fragment *fragment)
+              const struct fragment *fragment, const struct ray *ray)
 {
-    double weight = kernel(view, fragment->rho2);
+    double weight = view->shade == STP_SHADE_FLAT ? 1 : kernel(view, fragment->rho2);
+    struct vec3 normal = fragment_normal(disc, fragment);
     sums->weight += weight;
     sums->depth += weight * fragment->depth;
     sums->opacity += weight * splat_opacity(view, id);
-    sums->normal = v3_add(sums->normal, v3_scale(disc->normal, weight));
+    sums->normal = v3_add(sums->normal, v3_scale(normal, weight));
     sums->albedo = v3_add(sums->albedo, v3_scale(splat_albedo(view, id), weight));
+    if (view->shade == STP_SHADE_SPLAT)
+        sums->shaded = v3_add(
+            sums->shaded, v3_scale(shade_alone(view, id, normal, ray, fragment->depth), weight));
     sums->count++;
 }
 
@@ -69,4 +86,12 @@ struct surface surface_resolve(const struct view *view, const struct nearest *ne
     }
     s.point = ray_at(ray, s.depth);
     return s;
+}
+
+struct vec3 surface_color(const struct view *view, const struct surface *surface,
+                          const struct sums *sums)
+{
+    if (view->shade != STP_SHADE_SPLAT || !(sums->weight >= LEAST))
+        return surface_shade(view, surface);
+    return v3_scale(sums->shaded, 1 / sums->weight);
 }

@@ -14,7 +14,7 @@ struct nearest {
 /* Weighted sums over the fragments within epsilon of the nearest. */
 struct sums {
     double weight, depth, opacity;
-    struct vec3 normal, albedo;
+    struct vec3 normal, albedo, shaded; /* shaded: where each fragment is lit by itself */
     uint32_t count;
 };
 
@@ -33,7 +33,10 @@ double splat_opacity(const struct view *view, uint32_t id);
 void nearest_take(struct nearest *nearest, uint32_t id, const struct disc *disc,
                   const struct fragment *fragment);
 void sums_add(const struct view *view, struct sums *sums, uint32_t id, const struct disc *disc,
-              const struct fragment *fragment);
+              const struct fragment *fragment, const struct ray *ray);
+/* The surface's light: that of its normal, or the average of what its fragments send alone. */
+struct vec3 surface_color(const struct view *view, const struct surface *surface,
+                          const struct sums *sums);
 struct surface surface_resolve(const struct view *view, const struct nearest *nearest,
                                const struct sums *sums, const struct ray *ray);
 

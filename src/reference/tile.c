@@ -48,8 +48,10 @@ static void sum_visible(const struct tile *tile, size_t at, uint32_t id, const s
                         const struct fragment *fragment)
 {
     const struct nearest *nearest = &tile->scratch->nearest[at];
+    if (tile->view->shade == STP_SHADE_FLAT && id != nearest->id)
+        return;
     if (fragment->depth <= nearest->depth + splat_epsilon(tile->view, nearest->id))
-        sums_add(tile->view, &tile->scratch->sums[at], id, disc, fragment);
+        sums_add(tile->view, &tile->scratch->sums[at], id, disc, fragment, &tile->scratch->ray[at]);
 }
 
 static void begin_sample(const struct tile *tile, uint32_t sample)
@@ -89,7 +91,7 @@ static void end_sample(const struct tile *tile, size_t at)
         return;
     struct surface surface =
         surface_resolve(tile->view, &s->nearest[at], &s->sums[at], &s->ray[at]);
-    tile_hit(tile, at, &surface, surface_shade(tile->view, &surface), 1);
+    tile_hit(tile, at, &surface, surface_color(tile->view, &surface, &s->sums[at]), 1);
 }
 
 static void opaque_sample(const struct tile *tile)

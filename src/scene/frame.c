@@ -7,6 +7,7 @@
 #include "base/memory.h"
 #include "base/thread.h"
 #include "scene/axes.h"
+#include "scene/phong.h"
 #include "scene/scene.h"
 
 #define MARGIN     0.95 /* of half the picture */
@@ -51,14 +52,41 @@ static void add_sphere(const struct framing *f, struct extremes *e, struct vec3 
     e->back = fmin(e->back, z - r);
 }
 
+/* How far an ellipse goes along w, from its centre. */
+static double reach(const struct stp_phong_splat *p, struct vec3 n, struct vec3 w)
+{
+    struct vec3 u = v3_loadf(p->u), v = v3_cross(n, u);
+    return fmax(0, phong_support(p, p->radius[0] * v3_dot(w, u), p->radius[1] * v3_dot(w, v)));
+}
+
+static void add_ellipse(const struct framing *f, struct extremes *e, struct vec3 d, size_t i)
+{
+    const struct stp_phong_splat *p = &f->scene->splats.phong[i];
+    struct vec3 n = v3_loadf(f->scene->splats.normal[i]);
+    for (int k = 0; k < 4; k++) {
+        struct vec3 side = v3_scale(k < 2 ? f->x : f->y, k % 2 ? -1 : 1);
+        struct vec3 w = v3_add(side, v3_scale(f->z, f->slope[k / 2]));
+        e->side[k] = fmax(e->side[k], v3_dot(w, d) + reach(p, n, w));
+    }
+    double z = v3_dot(f->z, d);
+    e->front = fmax(e->front, z + reach(p, n, f->z));
+    e->back = fmin(e->back, z - reach(p, n, v3_scale(f->z, -1)));
+}
+
 static void extremes_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct framing *f = context;
     struct extremes e = f->worker[worker];
+    const bool ellipses = !f->scene->stream && f->scene->splats.phong;
     for (size_t i = begin; i < end; i++)
         if (is_in_core(f->scene, f->position[i]) &&
-            !(f->dropped && f->dropped[i] == STREAM_DROPPED))
-            add_sphere(f, &e, v3_sub(v3_load(f->position[i]), f->middle), (double)f->radius[i]);
+            !(f->dropped && f->dropped[i] == STREAM_DROPPED)) {
+            struct vec3 d = v3_sub(v3_load(f->position[i]), f->middle);
+            if (ellipses && !phong_is_disc(&f->scene->splats.phong[i]))
+                add_ellipse(f, &e, d, i);
+            else
+                add_sphere(f, &e, d, (double)f->radius[i]);
+        }
     f->worker[worker] = e;
 }
 

@@ -79,6 +79,46 @@ void phong_transform(struct stp_phong_splat *phong, const double m[16], double s
         phong->radius[i] = (float)(phong->radius[i] * scale);
 }
 
+/* Both lines or either, with room for the rounding of a point that lies on one. */
+static bool keeps(const struct stp_phong_splat *p, double s, double t)
+{
+    unsigned kept = 0;
+    for (unsigned i = 0; i < p->clips; i++) {
+        const float *l = p->clip[i];
+        double slack = 1e-9 * (fabs((double)l[0]) + fabs((double)l[1]) + fabs((double)l[2]));
+        kept += l[0] * s + l[1] * t + l[2] >= -slack;
+    }
+    return p->reflex ? kept > 0 : kept == p->clips;
+}
+
+static void try_point(const struct stp_phong_splat *p, double a, double b, double s, double t,
+                      double *most)
+{
+    if (s * s + t * t <= 1 + 1e-9 && keeps(p, s, t))
+        *most = fmax(*most, a * s + b * t);
+}
+
+/* A linear function is largest where the outline faces it, or at a corner: where lines end on the
+ * outline, or meet. */
+double phong_support(const struct stp_phong_splat *p, double a, double b)
+{
+    double most = -INFINITY, length = hypot(a, b);
+    try_point(p, a, b, length > 0 ? a / length : 0, length > 0 ? b / length : 0, &most);
+    for (unsigned i = 0; i < p->clips; i++) {
+        double x = p->clip[i][0], y = p->clip[i][1], c = p->clip[i][2], square = x * x + y * y;
+        double half = sqrt(fmax(0, square - c * c)) / square;
+        try_point(p, a, b, -c * x / square - y * half, -c * y / square + x * half, &most);
+        try_point(p, a, b, -c * x / square + y * half, -c * y / square - x * half, &most);
+    }
+    if (p->clips == 2) {
+        const float *k = p->clip[0], *l = p->clip[1];
+        double d = (double)k[0] * l[1] - (double)k[1] * l[0];
+        try_point(p, a, b, ((double)k[1] * l[2] - (double)k[2] * l[1]) / d,
+                  ((double)k[2] * l[0] - (double)k[0] * l[2]) / d, &most);
+    }
+    return most;
+}
+
 bool phong_equal(const struct stp_phong_splat *a, const struct stp_phong_splat *b)
 {
     return memcmp(a, b, FLOATS * sizeof(float)) == 0 && a->clips == b->clips &&

@@ -21,6 +21,10 @@ bool phong_clean(struct stp_phong_splat *phong, const float normal[3]);
 /* By a rotation times `scale`, row-major 4x4. */
 void phong_transform(struct stp_phong_splat *phong, const double m[16], double scale);
 
+/* The most of a s + b t over what the splat shows of itself; -INFINITY where its lines leave
+ * nothing. */
+double phong_support(const struct stp_phong_splat *phong, double a, double b);
+
 /* Bit for bit, padding aside. */
 bool phong_equal(const struct stp_phong_splat *a, const struct stp_phong_splat *b);
 

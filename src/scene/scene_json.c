@@ -35,6 +35,18 @@ static enum stp_result get_choice(const struct json_at *at, const cJSON *object,
     return json_error(at, key, what);
 }
 
+/* Is it what lies beside raw volumes: one description, or descriptions by files' names? */
+static bool describes_volumes(const cJSON *json)
+{
+    const cJSON *item;
+    if (json_has(json, "points") || json_has(json, "volume"))
+        return false;
+    if (json_has(json, "dims"))
+        return true;
+    cJSON_ArrayForEach(item, json) if (cJSON_IsObject(item) && json_has(item, "dims")) return true;
+    return false;
+}
+
 enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, enum stp_up *up,
                                  int *entries)
 {
@@ -43,6 +55,10 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
                                   { "-y", STP_UP_NEG_Y },  { NULL, 0 } };
     const cJSON *points = cJSON_GetObjectItemCaseSensitive(json, "points");
     int read = STP_UP_AUTO;
+    if (describes_volumes(json))
+        return json_error(root, "dims",
+                          "describes a raw volume, and this is no scene: give the raw file, which "
+                          "finds this one beside it");
     enum stp_result result = json_check_object(
         root, json, "points volume range lights camera camera_file environment up name comment");
     bool none = !points && (json_has(json, "volume") || json_has(json, "range"));

@@ -47,6 +47,14 @@ static void add_twopass(struct list *list)
                                          .epsilon_scale = 1 });
 }
 
+static void add_pyramid(struct list *list)
+{
+    add(list, (struct study_config){ .method = STP_METHOD_PYRAMID,
+                                     .path = STP_PATH_COMPUTE,
+                                     .voronoi = STP_VORONOI_OFF,
+                                     .epsilon_scale = 1 });
+}
+
 static void add_deferred(struct list *list, bool quick, double overlap)
 {
     static const struct {
@@ -85,6 +93,7 @@ static void add_opaque(struct list *list, bool quick)
     unsigned count = quick ? COUNT(quick_overlaps) : COUNT(overlaps);
     add_exact(list, quick, STP_TRANSPARENCY_AUTO);
     add_twopass(list);
+    add_pyramid(list);
     for (unsigned i = 0; i < count; i++)
         add_deferred(list, quick, overlap[i]);
 }
@@ -161,7 +170,7 @@ static const char *voronoi_word(enum stp_voronoi voronoi)
 
 static const char *merge_word(enum stp_axis_merge merge)
 {
-    static const char *const words[] = { "blend", "clip", "single", "sort" };
+    static const char *const words[] = { "auto", "blend", "clip", "single", "sort" };
     return words[merge];
 }
 

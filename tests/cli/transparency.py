@@ -41,6 +41,18 @@ class Transparency(command.CommandTest):
         self.picture("ball.ply", "--opacity", "0.5", "--cull", "back")
         self.assertAlmostEqual(self.centre()[3], 0.5, 6)
 
+    def test_stats(self):
+        """Where --aov counts them: two sides of a ball."""
+        self.done("render", "ball.ply", "--stats", "s.json", *BASIC, "--opacity", "0.5", "--cull",
+                  "none", "--aov", "layers,fragments")
+        stats = json.loads(self.read("s.json"))
+        self.assertGreaterEqual(stats["layers"]["max"], 2)
+        self.assertGreater(stats["layers"]["mean"], 1.5)
+        self.assertLessEqual(stats["layers"]["mean"], stats["layers"]["max"])
+        self.assertGreaterEqual(stats["fragments"]["max"], stats["fragments"]["mean"])
+        self.done("render", "ball.ply", "--stats", "s.json", *BASIC, "--opacity", "0.5")
+        self.assertNotIn("layers", json.loads(self.read("s.json")))
+
     def test_from_the_file(self):
         self.write("glass.ply", ply(command.sphere(), [51] * 2000))
         facts = self.done_json("info", "--json", "glass.ply")[0]

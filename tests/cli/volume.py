@@ -76,5 +76,23 @@ class Volume(command.CommandTest):
                    "--transfer-function", "no/such.json")
         self.fails(1, ["volume"], "plan", "ball.raw", "--method", "exact", *self.dims)
 
+    def test_a_description_is_no_scene(self):
+        one = {"dims": [SIDE] * 3, "dtype": "uint8"}
+        for name, content in (("volumes.json", {"ball.raw": one}), ("one.json", one)):
+            self.write(name, json.dumps(content))
+            self.fails(3, [name, "raw file"], "info", name)
+            self.fails(3, [name, "raw file"], "render", name, *self.look, "-o", "a.exr")
+
+    def test_auto_sorts(self):
+        told = self.done("plan", "ball.raw", *self.dims)
+        self.assertIn("lists: sort", told)
+        self.assertIn("axis is chosen: one list, sorted by distance from the eye", told)
+        told = self.done("plan", "ball.raw", *self.dims, "--axis-h", "0.9")
+        self.assertIn("lists: blend, h 0.9", told)
+        self.assertIn("lists: blend, h 0.85", self.done("plan", "ball.raw", *self.dims,
+                                                        "--method", "axis"))
+        self.assertIn("lists: clip", self.done("plan", "ball.raw", *self.dims,
+                                               "--axis-merge", "clip"))
+
 
 command.main()

@@ -19,7 +19,9 @@ CASES = ("| case, and what must come out | | exact | exact, ids | two-pass compu
          "| deferred compute | deferred raster | truth |\n|---|---|---:|---:|---:|---:|---:|---:|---|\n")
 BREAK = "| how | dB | ms | eight times the error |\n|---|---:|---:|---|\n"
 SAMPLES = "| samples | exact | two-pass |\n|---:|---:|---:|\n"
-HEADS = {"breaks": BREAK, "samples": SAMPLES}
+LAYERS = ("| case, and what must come out | | exact | exact, ids | peel | nearest | fast | truth |\n"
+          "|---|---|---:|---:|---:|---:|---:|---|\n")
+HEADS = {"breaks": BREAK, "samples": SAMPLES, "layers": LAYERS}
 
 
 def rows(program, family):

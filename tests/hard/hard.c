@@ -2,8 +2,9 @@
 #include "hard.h"
 
 static const struct hard_family *const families[] = {
-    &hard_coordinates, &hard_views,    &hard_splats, &hard_normals, &hard_crowds, &hard_sheets,
-    &hard_colors,      &hard_pictures, &hard_bits,   &hard_devices, &hard_breaks, &hard_samples,
+    &hard_coordinates, &hard_views,   &hard_splats,   &hard_normals, &hard_crowds,
+    &hard_sheets,      &hard_colors,  &hard_pictures, &hard_bits,    &hard_devices,
+    &hard_breaks,      &hard_samples, &hard_layers,
 };
 #define FAMILIES (sizeof families / sizeof *families)
 

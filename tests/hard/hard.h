@@ -51,20 +51,21 @@ struct hard_family {
 };
 extern const struct hard_family hard_samples, hard_breaks, hard_coordinates, hard_views,
     hard_splats, hard_normals, hard_crowds, hard_sheets, hard_colors, hard_pictures, hard_bits,
-    hard_devices, hard_samples;
+    hard_devices, hard_layers;
 
 /* points.c: points before they are prepared. */
 struct hard_points {
     size_t count, capacity;
     double (*position)[3];
-    float (*normal)[3], *radius, (*color)[3];
-    bool no_normals, no_radii, colored;
+    float (*normal)[3], *radius, (*color)[3], *opacity;
+    bool no_normals, no_radii, colored, faded;
 };
 struct hard_points points_make(size_t capacity);
 void points_release(struct hard_points *cloud);
 /* Of no colour: grey. Returns the point's index. */
 size_t points_add(struct hard_points *cloud, struct vec3 p, struct vec3 n, double radius);
 void points_paint(struct hard_points *cloud, size_t i, struct vec3 color);
+void points_fade(struct hard_points *cloud, size_t i, double opacity); /* others are opaque */
 void points_move(struct hard_points *cloud, struct vec3 by);
 /* To positions that float32 holds: a plane through the eye is one then for every renderer. */
 void points_round(struct hard_points *cloud);
@@ -90,9 +91,18 @@ struct hard_way {
     enum stp_method method;
     enum stp_path path;
     enum stp_payload payload;
+    enum stp_transparency transparency;
 };
 #define HARD_WAYS 7
 extern const struct hard_way hard_ways[HARD_WAYS];
+/* Of transparent scenes; the first ones know glass. */
+#define HARD_LAYER_WAYS 6
+#define HARD_GLASS_WAYS 3
+extern const struct hard_way hard_layer_ways[HARD_LAYER_WAYS];
+/* Those that draw what the scene is. */
+const struct hard_way *hard_ways_of(const struct stp_scene *scene, unsigned *count);
+/* Its error is what the paper says: of the bounds only soundness, and the case's `grouped`. */
+bool hard_approximates(const struct hard_way *way);
 struct stp_render_params hard_way_params(const struct hard_way *way,
                                          const struct stp_render_params *params);
 /* Groups for `deferred`: one a splat where there are at most 64, which is exact; else c = 1. */

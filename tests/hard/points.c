@@ -18,7 +18,8 @@ struct hard_points points_make(size_t capacity)
                                  .position = must(calloc(n, sizeof(double[3]))),
                                  .normal = must(calloc(n, sizeof(float[3]))),
                                  .radius = must(calloc(n, sizeof(float))),
-                                 .color = must(calloc(n, sizeof(float[3]))) };
+                                 .color = must(calloc(n, sizeof(float[3]))),
+                                 .opacity = must(calloc(n, sizeof(float))) };
 }
 
 void points_release(struct hard_points *cloud)
@@ -27,6 +28,7 @@ void points_release(struct hard_points *cloud)
     free(cloud->normal);
     free(cloud->radius);
     free(cloud->color);
+    free(cloud->opacity);
     *cloud = (struct hard_points){ 0 };
 }
 
@@ -44,6 +46,7 @@ size_t points_add(struct hard_points *cloud, struct vec3 p, struct vec3 n, doubl
     memcpy(cloud->position[i], (double[3]){ p.x, p.y, p.z }, sizeof cloud->position[i]);
     store(cloud->normal[i], n);
     cloud->radius[i] = (float)radius;
+    cloud->opacity[i] = 1;
     store(cloud->color[i], v3(0.5, 0.5, 0.5));
     return i;
 }
@@ -53,6 +56,12 @@ void points_round(struct hard_points *cloud)
     for (size_t i = 0; i < cloud->count; i++)
         for (int k = 0; k < 3; k++)
             cloud->position[i][k] = (float)cloud->position[i][k];
+}
+
+void points_fade(struct hard_points *cloud, size_t i, double opacity)
+{
+    cloud->opacity[i] = (float)opacity;
+    cloud->faded = true;
 }
 
 void points_paint(struct hard_points *cloud, size_t i, struct vec3 color)
@@ -134,7 +143,8 @@ enum stp_result points_try(const struct stp_env *env, const struct hard_points *
                                  .normal =
                                      cloud->no_normals ? NULL : (const float(*)[3])cloud->normal,
                                  .radius = cloud->no_radii ? NULL : cloud->radius,
-                                 .color = cloud->colored ? (const float(*)[3])cloud->color : NULL };
+                                 .color = cloud->colored ? (const float(*)[3])cloud->color : NULL,
+                                 .opacity = cloud->faded ? cloud->opacity : NULL };
     struct stp_object_params object = { .epsilon = epsilon };
     struct stp_scene *made = NULL;
     assert_int_equal(stp_scene_create(env, &made), STP_OK);

@@ -1,14 +1,41 @@
 #include "hard.h"
 
 const struct hard_way hard_ways[HARD_WAYS] = {
-    { "exact", STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_AUTO },
-    { "exact, ids", STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_ID },
-    { "two-pass compute", STP_METHOD_TWO_PASS, STP_PATH_COMPUTE, STP_PAYLOAD_AUTO },
-    { "two-pass raster", STP_METHOD_TWO_PASS, STP_PATH_RASTER, STP_PAYLOAD_AUTO },
-    { "deferred compute", STP_METHOD_DEFERRED, STP_PATH_COMPUTE, STP_PAYLOAD_AUTO },
-    { "deferred raster", STP_METHOD_DEFERRED, STP_PATH_RASTER, STP_PAYLOAD_AUTO },
-    { "reference", STP_METHOD_REFERENCE, STP_PATH_AUTO, STP_PAYLOAD_AUTO },
+    { "exact", STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_AUTO, STP_TRANSPARENCY_AUTO },
+    { "exact, ids", STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_ID, STP_TRANSPARENCY_AUTO },
+    { "two-pass compute", STP_METHOD_TWO_PASS, STP_PATH_COMPUTE, STP_PAYLOAD_AUTO,
+      STP_TRANSPARENCY_AUTO },
+    { "two-pass raster", STP_METHOD_TWO_PASS, STP_PATH_RASTER, STP_PAYLOAD_AUTO,
+      STP_TRANSPARENCY_AUTO },
+    { "deferred compute", STP_METHOD_DEFERRED, STP_PATH_COMPUTE, STP_PAYLOAD_AUTO,
+      STP_TRANSPARENCY_AUTO },
+    { "deferred raster", STP_METHOD_DEFERRED, STP_PATH_RASTER, STP_PAYLOAD_AUTO,
+      STP_TRANSPARENCY_AUTO },
+    { "reference", STP_METHOD_REFERENCE, STP_PATH_AUTO, STP_PAYLOAD_AUTO, STP_TRANSPARENCY_AUTO },
 };
+
+const struct hard_way hard_layer_ways[HARD_LAYER_WAYS] = {
+    { "exact", STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_AUTO, STP_TRANSPARENCY_EXACT },
+    { "exact, ids", STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_ID, STP_TRANSPARENCY_EXACT },
+    { "reference", STP_METHOD_REFERENCE, STP_PATH_AUTO, STP_PAYLOAD_AUTO,
+      STP_TRANSPARENCY_REFERENCE },
+    { "peel", STP_METHOD_TWO_PASS, STP_PATH_RASTER, STP_PAYLOAD_AUTO, STP_TRANSPARENCY_PEEL },
+    { "nearest", STP_METHOD_DEFERRED, STP_PATH_RASTER, STP_PAYLOAD_AUTO, STP_TRANSPARENCY_NEAREST },
+    { "fast", STP_METHOD_DEFERRED, STP_PATH_RASTER, STP_PAYLOAD_AUTO, STP_TRANSPARENCY_FAST },
+};
+
+const struct hard_way *hard_ways_of(const struct stp_scene *scene, unsigned *count)
+{
+    bool glass = scene->environment.map.width > 0;
+    *count = !scene->facts.transparent ? HARD_WAYS : glass ? HARD_GLASS_WAYS : HARD_LAYER_WAYS;
+    return scene->facts.transparent ? hard_layer_ways : hard_ways;
+}
+
+bool hard_approximates(const struct hard_way *way)
+{
+    return way->transparency == STP_TRANSPARENCY_FAST ||
+           way->transparency == STP_TRANSPARENCY_NEAREST;
+}
 
 struct stp_render_params hard_way_params(const struct hard_way *way,
                                          const struct stp_render_params *params)
@@ -17,6 +44,9 @@ struct stp_render_params hard_way_params(const struct hard_way *way,
     p.method = way->method;
     p.path = way->path;
     p.payload = way->payload;
+    p.transparency = way->transparency;
+    if (hard_approximates(way))
+        p.aovs &= ~(unsigned)STP_AOV_LAYERS; /* they do not count them */
     return p;
 }
 
@@ -24,7 +54,9 @@ void hard_group(struct stp_scene *scene)
 {
     struct stp_group_params groups = { .overlap = 1, .relax = STP_RELAX_NONE };
     struct stp_env quiet = { .threads = 2 };
-    if (scene->facts.splats <= STP_MAX_GROUPS)
+    if (scene->facts.transparent)
+        assert_int_equal(stp_scene_cover(&quiet, scene, NULL), STP_OK);
+    else if (scene->facts.splats <= STP_MAX_GROUPS)
         scene_own_groups(scene);
     else
         assert_int_equal(stp_scene_group(&quiet, scene, &groups), STP_OK);

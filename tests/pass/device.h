@@ -38,6 +38,8 @@ size_t scene_add(struct stp_scene *scene, struct vec3 p, struct vec3 n, double r
 void scene_paint(struct stp_scene *scene, size_t i, float r, float g, float b);
 /* Others stay opaque. */
 void scene_fade(struct stp_scene *scene, size_t i, float opacity);
+/* Others stay discs. */
+void scene_bend(struct stp_scene *scene, size_t i, const struct stp_phong_splat *phong);
 void scene_assign(struct stp_scene *scene, size_t i, unsigned object);
 /* A bumpy sheet of overlapping discs that faces the eye of plain_camera, its objects in turns. */
 #define SCENE_SHEET_SPLATS 9

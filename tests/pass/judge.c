@@ -70,8 +70,12 @@ static void disturb(struct stp_scene *scene, struct stp_camera *camera,
     params->epsilon *= 1 + sign * step;
     for (unsigned i = 0; i < scene->object_count; i++)
         scene->objects[i].epsilon *= 1 + sign * step;
-    for (size_t i = 0; variant >= 2 && i < scene->splats.count; i++)
-        scene->splats.radius[i] *= (float)(1 + sign * 1e-5);
+    struct splats *s = &scene->splats;
+    for (size_t i = 0; variant >= 2 && i < s->count; i++) {
+        s->radius[i] *= (float)(1 + sign * 1e-5);
+        for (int k = 0; s->phong && k < 2; k++)
+            s->phong[i].radius[k] *= (float)(1 + sign * 1e-5);
+    }
 }
 
 static struct stp_image *reference_of(const struct stp_scene *scene, const struct stp_plan *plan,
@@ -84,11 +88,14 @@ static struct stp_image *reference_of(const struct stp_scene *scene, const struc
     struct stp_image *image = NULL;
     struct scene_object objects[8];
     float *radius = malloc(scene->splats.count * sizeof *radius);
-    assert_true(radius && scene->object_count <= 8);
+    struct stp_phong_splat *phong = malloc(scene->splats.count * sizeof *phong);
+    assert_true(radius && phong && scene->object_count <= 8);
     memcpy(objects, scene->objects, scene->object_count * sizeof *objects);
     memcpy(radius, scene->splats.radius, scene->splats.count * sizeof *radius);
     copy.objects = objects;
     copy.splats.radius = radius;
+    if (copy.splats.phong)
+        copy.splats.phong = memcpy(phong, copy.splats.phong, copy.splats.count * sizeof *phong);
     /* Quantised depths are off by half a step, and epsilon is 2^depth_bits of them. */
     bool packed = plan->payload == STP_PAYLOAD_PACKED;
     double step = 1e-5 + (packed ? ldexp(1, 1 - (int)plan->frame.depth_bits) : 0);
@@ -96,6 +103,7 @@ static struct stp_image *reference_of(const struct stp_scene *scene, const struc
         disturb(&copy, &camera, &params, variant, step);
     assert_int_equal(reference_render(&env, &copy, &camera, &params, &image), STP_OK);
     free(radius);
+    free(phong);
     return image;
 }
 

@@ -1,6 +1,7 @@
 #include "device.h"
 
 #include "base/memory.h"
+#include "scene/phong.h"
 
 static void *must(void *pointer)
 {
@@ -26,6 +27,7 @@ struct stp_scene *scene_make(size_t capacity, unsigned objects, double epsilon)
     s->color = must(mem_zalloc(capacity, sizeof *s->color));
     s->object = must(mem_zalloc(capacity, sizeof *s->object));
     s->opacity = must(mem_zalloc(capacity, sizeof *s->opacity));
+    s->phong = must(mem_zalloc(capacity, sizeof *s->phong));
     for (size_t i = 0; i < capacity; i++)
         s->opacity[i] = 1;
     return scene;
@@ -53,6 +55,14 @@ void scene_fade(struct stp_scene *scene, size_t i, float opacity)
 {
     scene->splats.opacity[i] = opacity;
     scene->facts.transparent |= opacity < 1;
+}
+
+void scene_bend(struct stp_scene *scene, size_t i, const struct stp_phong_splat *phong)
+{
+    scene->splats.phong[i] = *phong;
+    scene->splats.radius[i] = fmaxf(phong->radius[0], phong->radius[1]);
+    scene->facts.phong++;
+    scene->facts.clip_lines += phong->clips > 0;
 }
 
 void scene_assign(struct stp_scene *scene, size_t i, unsigned object)
@@ -94,6 +104,10 @@ static void drop_unused(struct stp_scene *scene)
         mem_free(scene->splats.opacity);
         scene->splats.opacity = NULL;
     }
+    if (!scene->facts.phong) {
+        mem_free(scene->splats.phong);
+        scene->splats.phong = NULL;
+    }
     if (scene->object_count == 1) {
         mem_free(scene->splats.object);
         scene->splats.object = NULL;
@@ -105,6 +119,9 @@ void scene_finish(struct stp_scene *scene)
     struct stp_facts *f = &scene->facts;
     struct splats *s = &scene->splats;
     drop_unused(scene);
+    for (size_t i = 0; s->phong && i < s->count; i++)
+        if (phong_is_disc(&s->phong[i]))
+            s->phong[i] = phong_of_disc(s->normal[i], s->radius[i]);
     f->points = f->splats = s->count;
     f->radius_min = INFINITY;
     f->radius_max = 0;

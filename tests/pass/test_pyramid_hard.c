@@ -34,8 +34,8 @@ static void add_sheet(struct stp_scene *scene, double z, double spacing, double 
 }
 
 /* A dense green sheet behind a red one, from a gap of 1.5 radii of the red on: no green. Only where
- * the red has one point a pixel on average, so that a quarter of the pixels have none and discs are
- * smaller than texels of level 1, does a little shine through: 0.4 % measured. */
+ * the red has one point a pixel on average, so that points share pixels and one stands for both,
+ * the sliver that the other's disc alone covers is open: 4 pixels of 40,000 measured. */
 static void leaking(void **state)
 {
     static const double gaps[] = { 1.5, 2, 3, 6, 20, 100 };
@@ -54,7 +54,7 @@ static void leaking(void **state)
                     holes += !isfinite(value(image, "Z", x, y));
                     leaks += value(image, "G", x, y) > value(image, "R", x, y);
                 }
-            if (leaks > (spacing < 0.02 ? 240u : 0u) || holes)
+            if (leaks > (spacing < 0.02 ? 8u : 0u) || holes)
                 fail_msg("gap %g, spacing %g: %zu leaks, %zu holes", gaps[i], spacing, leaks,
                          holes);
             stp_image_destroy(&image);

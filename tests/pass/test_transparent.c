@@ -38,6 +38,23 @@ static double psnr_of(struct stp_scene *scene, const struct stp_camera *camera,
     return c.covered.psnr;
 }
 
+/* Peel by compute, and by the rasteriser. */
+#define WAYS 4
+static const struct {
+    enum stp_transparency transparency;
+    enum stp_path path;
+} ways[WAYS] = { { STP_TRANSPARENCY_FAST, STP_PATH_AUTO },
+                 { STP_TRANSPARENCY_NEAREST, STP_PATH_AUTO },
+                 { STP_TRANSPARENCY_PEEL, STP_PATH_COMPUTE },
+                 { STP_TRANSPARENCY_PEEL, STP_PATH_RASTER } };
+
+static struct stp_image *picture_by(struct stp_scene *scene, const struct stp_camera *camera,
+                                    struct stp_render_params p, unsigned way)
+{
+    p.path = ways[way].path;
+    return picture(scene, camera, p, ways[way].transparency);
+}
+
 /* A ball with waves, four discs at a place, seen through from outside. */
 static struct stp_scene *ball(size_t count, float opacity)
 {
@@ -102,15 +119,13 @@ static void closed_forms(void **state)
         float opacity;
     } cases[] = { { 1, 0.3f },   { 2, 0.6f },    { 8, 0.3f },
                   { 300, 0.3f }, { 300, 1e-6f }, { 300, 0.01f } };
-    const enum stp_transparency ways[] = { STP_TRANSPARENCY_FAST, STP_TRANSPARENCY_NEAREST,
-                                           STP_TRANSPARENCY_PEEL };
-    for (unsigned i = 0; i < 3 * sizeof cases / sizeof *cases; i++) {
-        size_t layers = cases[i / 3].layers;
-        float opacity = cases[i / 3].opacity;
+    for (unsigned i = 0; i < WAYS * sizeof cases / sizeof *cases; i++) {
+        size_t layers = cases[i / WAYS].layers;
+        float opacity = cases[i / WAYS].opacity;
         struct stp_scene *scene = sheets(layers, 0.21, opacity);
         struct stp_camera camera = flat_camera(21, 17, 8);
         struct stp_render_params p = { .min_splat = -1, .peel_layers = 300 };
-        struct stp_image *image = picture(scene, &camera, p, ways[i % 3]);
+        struct stp_image *image = picture_by(scene, &camera, p, i % WAYS);
         double alpha = -expm1((double)layers * log1p(-(double)opacity));
         close_to(value_at(image, "A"), alpha, 1e-4 * alpha + 1e-7);
         close_to(value_at(image, "R"), 0.84 * alpha, 1e-3 * alpha + 1e-7); /* 0.8 * 0.8 + 0.2 */
@@ -127,8 +142,9 @@ static void peels_as_many_as_asked(void **state)
     struct stp_scene *scene = sheets(20, 0.21, 0.25f);
     struct stp_camera camera = flat_camera(21, 17, 8);
     for (unsigned k = 1; k <= 20; k += 3) {
+        unsigned way = 2 + k % 2;
         struct stp_render_params p = { .min_splat = -1, .peel_layers = k, .aovs = STP_AOV_LAYERS };
-        struct stp_image *image = picture(scene, &camera, p, STP_TRANSPARENCY_PEEL);
+        struct stp_image *image = picture_by(scene, &camera, p, way);
         close_to(value_at(image, "A"), 1 - pow(0.75, k), 1e-5);
         assert_true(value_at(image, "layers") == (float)k);
         stp_image_destroy(&image);
@@ -136,19 +152,43 @@ static void peels_as_many_as_asked(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* Opacities that differ within a layer are averaged with its weights, in both ways of peeling. */
+static void peels_varying_opacities(void **state)
+{
+    struct stp_scene *scene = ball(3000, 0.5f);
+    for (size_t i = 0; i < 3000; i++) {
+        double *at = scene->splats.position[i];
+        scene_fade(scene, i, i % 3 == 0 ? 1 : 0.05f + 0.1f * (float)(i % 8));
+        for (int a = 0; i % 3 == 0 && a < 3; a++) /* a ball within the ball */
+            at[a] = (a == 2 ? -4 : 0) + (at[a] - (a == 2 ? -4 : 0)) / 2;
+    }
+    scene->facts.mixed = true;
+    scene->facts.uniform_opacity = false;
+    struct stp_camera camera = flat_camera(64, 64, 100);
+    struct stp_render_params p = { .min_splat = -1, .peel_layers = 12, .aovs = STP_AOV_LAYERS };
+    struct stp_image *truth = picture(scene, &camera, p, STP_TRANSPARENCY_REFERENCE);
+    for (unsigned way = 2; way < WAYS; way++) {
+        struct stp_image *image = picture_by(scene, &camera, p, way);
+        struct stp_comparison c;
+        assert_int_equal(stp_compare(NULL, image, truth, NULL, &c), STP_OK);
+        assert_true(c.covered.psnr >= 60);
+        stp_image_destroy(&image);
+    }
+    stp_image_destroy(&truth);
+    stp_scene_destroy(&scene);
+}
+
 /* An opaque disc among the sheets ends the ray, and hides what lies behind. */
 static void opaque_among_transparent(void **state)
 {
-    const enum stp_transparency ways[] = { STP_TRANSPARENCY_FAST, STP_TRANSPARENCY_NEAREST,
-                                           STP_TRANSPARENCY_PEEL };
-    for (unsigned i = 0; i < 3; i++) {
+    for (unsigned i = 0; i < WAYS; i++) {
         struct stp_scene *scene = sheets(6, 0.21, 0.3f);
         struct stp_camera camera = flat_camera(21, 17, 8);
         scene_fade(scene, 3, 1);
         scene->facts.mixed = true;
         scene->facts.uniform_opacity = false;
         struct stp_render_params p = { .min_splat = -1 };
-        struct stp_image *image = picture(scene, &camera, p, ways[i]);
+        struct stp_image *image = picture_by(scene, &camera, p, i);
         close_to(value_at(image, "A"), 1, 1e-5);
         close_to(value_at(image, "R"), 0.84, 1e-3);
         stp_image_destroy(&image);
@@ -160,17 +200,15 @@ static void opaque_among_transparent(void **state)
 static void over_two_backgrounds(void **state)
 {
     static const float black[] = { 0, 0, 0, 1 }, white[] = { 1, 1, 1, 1 };
-    const enum stp_transparency ways[] = { STP_TRANSPARENCY_FAST, STP_TRANSPARENCY_NEAREST,
-                                           STP_TRANSPARENCY_PEEL };
-    for (unsigned i = 0; i < 3; i++) {
+    for (unsigned i = 0; i < WAYS; i++) {
         struct stp_scene *scene = ball(2000, 0.4f);
         struct stp_camera camera = flat_camera(64, 64, 100);
         struct stp_render_params p = { .min_splat = -1 };
-        struct stp_image *none = picture(scene, &camera, p, ways[i]);
+        struct stp_image *none = picture_by(scene, &camera, p, i);
         p.background = black;
-        struct stp_image *dark = picture(scene, &camera, p, ways[i]);
+        struct stp_image *dark = picture_by(scene, &camera, p, i);
         p.background = white;
-        struct stp_image *light = picture(scene, &camera, p, ways[i]);
+        struct stp_image *light = picture_by(scene, &camera, p, i);
         const float *a = stp_image_find(none, "A")->data.f, *c = stp_image_find(none, "R")->data.f;
         const float *b = stp_image_find(dark, "R")->data.f, *w = stp_image_find(light, "R")->data.f;
         for (size_t at = 0; at < 64 * 64; at++) {
@@ -188,12 +226,13 @@ static void over_two_backgrounds(void **state)
 /* From inside, and twice: nothing that is not finite, and the same bits. */
 static void inside_and_again(void **state)
 {
-    for (enum stp_transparency t = STP_TRANSPARENCY_FAST; t <= STP_TRANSPARENCY_PEEL; t++) {
+    for (unsigned i = 0; i < WAYS; i++) {
         struct stp_scene *scene = ball(2000, 0.3f);
         struct stp_camera camera = flat_camera(48, 48, 20);
         camera.world_to_camera[11] = 3.9; /* near the middle of the ball */
         struct stp_render_params p = { .min_splat = -1 };
-        struct stp_image *a = picture(scene, &camera, p, t), *b = picture(scene, &camera, p, t);
+        struct stp_image *a = picture_by(scene, &camera, p, i);
+        struct stp_image *b = picture_by(scene, &camera, p, i);
         expect_same_bits(a, b, "again");
         assert_true(value_at(a, "A") > 0.29f);
         stp_image_destroy(&a);
@@ -205,9 +244,10 @@ static void inside_and_again(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(errors_of_a_ball),       cmocka_unit_test(closed_forms),
-        cmocka_unit_test(peels_as_many_as_asked), cmocka_unit_test(opaque_among_transparent),
-        cmocka_unit_test(over_two_backgrounds),   cmocka_unit_test(inside_and_again),
+        cmocka_unit_test(errors_of_a_ball),        cmocka_unit_test(closed_forms),
+        cmocka_unit_test(peels_as_many_as_asked),  cmocka_unit_test(opaque_among_transparent),
+        cmocka_unit_test(peels_varying_opacities), cmocka_unit_test(over_two_backgrounds),
+        cmocka_unit_test(inside_and_again),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -57,6 +57,23 @@ static inline void fade_inputs(struct inputs *in, bool mixed)
     f->mixed = mixed;
 }
 
+/* As stp_scene_cover leaves it: half of the splats are in two groups. */
+static inline void cover_inputs(struct inputs *in)
+{
+    struct cover_groups *cover = &in->scene->cover;
+    in->scene->facts.cover = (struct stp_cover){ .groups = 2,
+                                                 .members = 150,
+                                                 .duplicates = 0.5,
+                                                 .coverage = { 0.98, 0.99 },
+                                                 .factor = { 1, 1.01 } };
+    cover->groups = 2;
+    cover->first[1] = 70;
+    cover->first[2] = 150;
+    cover->home = calloc(100, 1);
+    for (int i = 0; i < 100; i++)
+        cover->home[i] = (uint8_t)(i % 2);
+}
+
 static inline struct stp_plan *plan_of(const struct inputs *in)
 {
     struct stp_plan *plan = NULL;

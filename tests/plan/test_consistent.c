@@ -31,13 +31,17 @@ static void check_draw(const struct stp_plan *plan, const struct plan_pass *pass
 {
     unsigned attachments = 0;
     assert_true(pass->vertex != PLAN_SHADER_NONE);
-    assert_true(pass->first_splat + pass->splat_count <= plan->facts.splats);
+    uint8_t order = plan_find(plan, PLAN_ORDER);
+    assert_true(pass->first_splat + pass->splat_count <=
+                (order == PLAN_NONE ? plan->facts.splats : plan->resource[order].bytes / 4));
     for (unsigned i = 0; i < pass->access_count; i++) {
         const struct plan_resource *r = &plan->resource[pass->access[i].resource];
         if (!(pass->access[i].kind & PLAN_ATTACHMENT))
             continue;
         attachments++;
-        assert_true(pass->layer + pass->layer_count <= r->layers);
+        /* An image of one layer is every pass's, which clears it. */
+        assert_true(pass->layer + pass->layer_count <= r->layers ||
+                    (r->layers == 1 && pass->layer_count == 1));
         assert_true(r->width >= plan->tile_width && r->height >= plan->tile_height);
     }
     assert_true(attachments > 0);
@@ -85,7 +89,8 @@ static void check_resources(const struct stp_plan *plan)
     assert_true(slot[PLAN_OUT_COLOR] && slot[PLAN_OUT_NORMAL] && slot[PLAN_OUT_DEPTH]);
 }
 
-/* Every splat is drawn once in every geometry pass. */
+/* Every splat is drawn once in every geometry pass; every member of the groups that each cover the
+ * surface, and for the nearest layer every splat once more. */
 static void check_layers(const struct stp_plan *plan)
 {
     size_t drawn = 0;
@@ -93,7 +98,10 @@ static void check_layers(const struct stp_plan *plan)
         return;
     for (uint32_t i = 0; i < plan->pass_count; i++)
         drawn += plan->pass[i].kind == PLAN_DRAW ? plan->pass[i].splat_count : 0;
-    assert_int_equal(drawn, plan->facts.splats);
+    size_t expected = plan_covers(plan) ? plan->facts.cover.members : plan->facts.splats;
+    if (plan->transparency == STP_TRANSPARENCY_NEAREST)
+        expected += plan->facts.splats;
+    assert_int_equal(drawn, expected);
 }
 
 static void check_plan(const struct stp_plan *plan)
@@ -127,9 +135,10 @@ static void random_inputs(struct inputs *in, uint32_t *seed)
     in->scene->facts.grouping.groups = 4 + DICE(61);
     in->scene->facts.grouping.overlap = DICE(2) ? 1 : 0.5;
     in->scene->objects[0].epsilon = pow(10, -DICE(8));
-    if (DICE(3) == 0) {
+    bool faded = DICE(3) == 0;
+    if (faded) {
         fade_inputs(in, DICE(2));
-        in->params.method = STP_METHOD_AUTO;
+        cover_inputs(in);
     }
     in->camera = DICE(3) ? plain_camera(1 + DICE(400), 1 + DICE(300), 100)
                          : flat_camera(1 + DICE(400), 1 + DICE(300), 100);
@@ -143,6 +152,12 @@ static void random_inputs(struct inputs *in, uint32_t *seed)
                                              .memory_limit = DICE(2) ? 1u << (17 + DICE(6)) : 0 };
     if (DICE(5) == 0)
         in->params.method = STP_METHOD_PYRAMID;
+    if (faded && DICE(4)) {
+        in->params.method = STP_METHOD_AUTO;
+        in->params.transparency = (enum stp_transparency)(DICE(5));
+        in->params.path = DICE(2) ? STP_PATH_RASTER : STP_PATH_AUTO;
+        in->params.aovs &= DICE(2) ? ~(unsigned)STP_AOV_LAYERS : ~0u;
+    }
     in->limits.processor = 1 + DICE(2);
 #undef DICE
 }

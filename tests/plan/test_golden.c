@@ -148,32 +148,16 @@ static void test_pyramid(void **state)
     expect_golden(&in, "pyramid_colored_aovs");
 }
 
-/* As stp_scene_cover leaves it: half of the splats are in two groups. */
-static void cover_inputs(struct inputs *in)
-{
-    struct cover_groups *cover = &in->scene->cover;
-    in->scene->facts.cover = (struct stp_cover){ .groups = 2,
-                                                 .members = 150,
-                                                 .duplicates = 0.5,
-                                                 .coverage = { 0.98, 0.99 },
-                                                 .factor = { 1, 1.01 } };
-    cover->groups = 2;
-    cover->first[1] = 70;
-    cover->first[2] = 150;
-    cover->home = mem_alloc(100, 1);
-    for (int i = 0; i < 100; i++)
-        cover->home[i] = i % 2;
-}
-
 static void test_transparent(void **state)
 {
     static const char *const names[] = { "transparent_fast", "transparent_nearest",
-                                         "transparent_peel" };
-    for (int i = 0; i < 3; i++) {
+                                         "transparent_peel", "transparent_peel_raster" };
+    for (int i = 0; i < 4; i++) {
         struct inputs in = plain_inputs();
-        fade_inputs(&in, i == 1);
+        fade_inputs(&in, i == 1 || i == 3);
         cover_inputs(&in);
-        in.params.transparency = (enum stp_transparency)(STP_TRANSPARENCY_FAST + i);
+        in.params.transparency = (enum stp_transparency)(STP_TRANSPARENCY_FAST + (i < 3 ? i : 2));
+        in.params.path = i == 3 ? STP_PATH_RASTER : STP_PATH_AUTO;
         in.params.peel_layers = 5;
         expect_golden(&in, names[i]);
     }

@@ -138,6 +138,27 @@ static void all_glass(struct inputs *in)
     in->scene->facts.absorbs = true;
     in->params.layers = STP_LAYERS_SINGLE;
 }
+static void ellipses(struct inputs *in)
+{
+    in->scene->facts.phong = 7;
+}
+static void clipped(struct inputs *in)
+{
+    in->scene->facts.phong = 7;
+    in->scene->facts.clip_lines = 3;
+}
+static void shade_splats(struct inputs *in)
+{
+    in->params.shade = STP_SHADE_SPLAT;
+}
+static void shade_flat(struct inputs *in)
+{
+    in->params.shade = STP_SHADE_FLAT;
+}
+static void light_cube(struct inputs *in)
+{
+    in->params.light_cube = STP_ON;
+}
 static void deep(struct inputs *in)
 {
     in->params.deep = true;
@@ -201,9 +222,20 @@ static const struct feature {
       PLAN_BACKGROUND, 1 },
     { "one opacity", faded, EXACT, NULL, "+layers", PLAN_OPACITY, 1 },
     { "one opacity", faded, EXACT, NULL, "-resolve", PLAN_MIXED, 0 },
+    { "one opacity", faded, TWO_PASS | TWO_PASS_RASTER, "+peeled", "+nothing peeled", PLAN_OPACITY,
+      1 },
+    { "opacities", mixed, TWO_PASS_RASTER, "+color sum", "+clear depth", PLAN_MIXED, 1 },
+    { "opacities", mixed, TWO_PASS, "+opacities", NULL, PLAN_OPACITY, 2 },
     { "opacities", mixed, EXACT, "+opacities", "+mend layer", PLAN_OPACITY, 2 },
     { "opacities", mixed, EXACT, "+slot ids", "-repair sum", PLAN_MIXED, 1 },
     { "layers", mixed, EXACT, "+id", NULL, PLAN_AOVS, PLAN_AOVS_ID | PLAN_AOVS_LAYERS },
+    { "ellipses", ellipses, ALL, "+ellipses", NULL, PLAN_PHONG, 1 },
+    { "clip lines", clipped, ALL, "+ellipses", NULL, PLAN_PHONG, 2 },
+    { "clip lines", clipped, ALL, "+clip lines", NULL, -1, 0 },
+    { "splats that are shaded", shade_splats, TWO_PASS, NULL, NULL, PLAN_SHADE, 1 },
+    { "splats that are shaded", shade_splats, TWO_PASS_RASTER, "+color sum", NULL, PLAN_SHADE, 1 },
+    { "flat splats", shade_flat, TWO_PASS, NULL, "-sum", PLAN_SHADE, 2 },
+    { "light cube", light_cube, ALL, "+light cube", "+light cube", PLAN_LIGHT_CUBE, 1 },
 
     { "deep, opaque", deep, ALL, NULL, NULL, PLAN_DEEP, 0 },
     { "deep", faded_deep, EXACT, "+deep layers", "+clear deep counts", PLAN_DEEP, 1 },
@@ -283,6 +315,32 @@ static void test_unmet_environment(void **state)
     stp_plan_destroy(&with);
     stp_plan_destroy(&without);
     release_inputs(&in);
+}
+
+/* Groups that each cover the surface leave an opaque scene's plan as it was; without glass the
+ * plans that take them have nothing of an environment, and only nearest has a mask. */
+static void test_covers(void **state)
+{
+    for (int i = 0; i < 8; i++) {
+        struct inputs in = plain_inputs();
+        cover_inputs(&in);
+        in.params.transparency = i & 1 ? STP_TRANSPARENCY_NEAREST : STP_TRANSPARENCY_FAST;
+        if (i & 2)
+            glass(&in);
+        else if (i & 4)
+            faded(&in);
+        struct stp_plan *plan = plan_of(&in);
+        bool covers = (i & 6) != 0;
+        assert_true(plan_covers(plan) == covers);
+        assert_true((resource_named(plan, "blended") != NULL) == covers);
+        assert_true((resource_named(plan, "order") != NULL) == covers);
+        assert_true((resource_named(plan, "mask") != NULL) == (covers && (i & 1)));
+        assert_true((resource_named(plan, "environment") != NULL) == ((i & 2) != 0));
+        assert_true((resource_named(plan, "optics") != NULL) == ((i & 2) != 0));
+        assert_true((plan->constant[PLAN_OPTICS] != 0) == ((i & 2) != 0));
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
 }
 
 /* auto: exact, where the device has 64-bit atomics. An opaque scene takes no notice. */
@@ -464,11 +522,17 @@ static void test_payload(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_features),         cmocka_unit_test(test_the_least),
-        cmocka_unit_test(test_transparency),     cmocka_unit_test(test_voronoi),
-        cmocka_unit_test(test_groups),           cmocka_unit_test(test_squarings),
-        cmocka_unit_test(test_payload),          cmocka_unit_test(test_unmet_environment),
-        cmocka_unit_test(test_the_least_of_all), cmocka_unit_test(test_channels),
+        cmocka_unit_test(test_features),
+        cmocka_unit_test(test_the_least),
+        cmocka_unit_test(test_covers),
+        cmocka_unit_test(test_transparency),
+        cmocka_unit_test(test_voronoi),
+        cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_squarings),
+        cmocka_unit_test(test_payload),
+        cmocka_unit_test(test_unmet_environment),
+        cmocka_unit_test(test_the_least_of_all),
+        cmocka_unit_test(test_channels),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -51,6 +51,47 @@ static void voronoi_exact_raster(struct inputs *in)
     in->params.path = STP_PATH_RASTER;
     in->params.voronoi = STP_VORONOI_EXACT;
 }
+static void pyramid_of_ellipses(struct inputs *in)
+{
+    in->params.method = STP_METHOD_PYRAMID;
+    in->scene->facts.phong = 1;
+}
+static void peel_of_ellipses(struct inputs *in)
+{
+    in->params.method = STP_METHOD_TWO_PASS;
+    in->scene->facts.phong = 1;
+    fade_inputs(in, false);
+}
+static void shared_ellipses(struct inputs *in)
+{
+    in->scene->facts.phong = 1;
+    in->scene->share.count = 2;
+}
+static void exact_shades_splats(struct inputs *in)
+{
+    in->params.method = STP_METHOD_EXACT;
+    in->params.shade = STP_SHADE_SPLAT;
+}
+static void flat_by_raster(struct inputs *in)
+{
+    in->params.path = STP_PATH_RASTER;
+    in->params.shade = STP_SHADE_FLAT;
+}
+static void shaded_albedo(struct inputs *in)
+{
+    in->params.aovs = STP_AOV_ALBEDO;
+    in->params.shade = STP_SHADE_SPLAT;
+}
+static void cube_of_near_lights(struct inputs *in)
+{
+    in->params.light_cube = STP_ON;
+    in->scene->facts.positional_lights = true;
+}
+static void cube_of_local_viewer(struct inputs *in)
+{
+    in->params.light_cube = STP_ON;
+    in->params.local_viewer = true;
+}
 static void no_width(struct inputs *in)
 {
     in->camera.width = 0;
@@ -133,6 +174,21 @@ static void fast_without_blends(struct inputs *in)
     fast_without_cover(in);
     in->params.mask_features = STP_FEATURE_INDEPENDENT_BLEND;
 }
+static void peel_with_glass(struct inputs *in)
+{
+    transparent(in);
+    in->params.transparency = STP_TRANSPARENCY_PEEL;
+    in->scene->facts.environment_levels = 1;
+    in->scene->facts.environment_texels = 1000;
+    in->scene->facts.reflects = true;
+}
+static void peel_without_atomics(struct inputs *in)
+{
+    transparent(in);
+    in->params.transparency = STP_TRANSPARENCY_PEEL;
+    in->params.path = STP_PATH_COMPUTE;
+    in->params.mask_features = STP_FEATURE_INT64_ATOMICS;
+}
 static void peel_with_samples(struct inputs *in)
 {
     transparent(in);
@@ -204,6 +260,14 @@ static const struct {
     { deferred_without_any, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { no_groups, STP_ERROR_ARGUMENT, "stp_scene_group" },
     { voronoi_exact_raster, STP_ERROR_ARGUMENT, "slab" },
+    { pyramid_of_ellipses, STP_ERROR_ARGUMENT, "draws discs" },
+    { peel_of_ellipses, STP_ERROR_ARGUMENT, "peel draws discs" },
+    { shared_ellipses, STP_ERROR_ARGUMENT, "several processes" },
+    { exact_shades_splats, STP_ERROR_ARGUMENT, "two-pass or reference" },
+    { flat_by_raster, STP_ERROR_ARGUMENT, "no raster path" },
+    { shaded_albedo, STP_ERROR_ARGUMENT, "albedo" },
+    { cube_of_near_lights, STP_ERROR_ARGUMENT, "lights that have a place" },
+    { cube_of_local_viewer, STP_ERROR_ARGUMENT, "local viewer" },
     { no_width, STP_ERROR_ARGUMENT, "0 x 48" },
     { no_height, STP_ERROR_ARGUMENT, "64 x 0" },
     { too_wide, STP_ERROR_ARGUMENT, "65537 x 48" },
@@ -226,6 +290,8 @@ static const struct {
     { nearest_with_samples, STP_ERROR_ARGUMENT, "one sample" },
     { fast_counts_layers, STP_ERROR_ARGUMENT, "layers" },
     { fast_without_blends, STP_ERROR_FEATURE, "independentBlend" },
+    { peel_with_glass, STP_ERROR_ARGUMENT, "glass" },
+    { peel_without_atomics, STP_ERROR_FEATURE, "shaderBufferInt64Atomics" },
     { peel_with_samples, STP_ERROR_ARGUMENT, "one sample" },
     { little_memory, STP_ERROR_DEVICE_MEMORY, "tile" },
     { little_heap, STP_ERROR_DEVICE_MEMORY, "3000 bytes" },

@@ -212,6 +212,29 @@ static void tangents_are_straightened(void **state)
     assert_true(p.radius[0] == 2 && p.radius[1] == 4);
 }
 
+/* Against the most over many points of the disc: never below, and hardly above. */
+static void support_is_the_most(void **state)
+{
+    struct ellipses e;
+    uint64_t seed = 11;
+    make_ellipses(&e, 10);
+    for (size_t i = 0; i < COUNT; i++) {
+        const struct stp_phong_splat *p = &e.phong[i];
+        double a = 2 * random_unit(&seed) - 1, b = 2 * random_unit(&seed) - 1, most = -INFINITY;
+        for (int k = 0; k < 40000; k++) {
+            double r = sqrt(k / 39999.0), s = r * cos(2.399963 * k), t = r * sin(2.399963 * k);
+            unsigned kept = 0;
+            for (int l = 0; l < p->clips; l++)
+                kept += p->clip[l][0] * s + p->clip[l][1] * t + p->clip[l][2] >= 0;
+            if (p->reflex ? kept > 0 : kept == p->clips)
+                most = fmax(most, a * s + b * t);
+        }
+        double support = phong_support(p, a, b);
+        assert_true(support >= most - 1e-9);
+        assert_true(isinf(most) || support <= most + 0.05 || (p->clips == 2 && !p->reflex));
+    }
+}
+
 static void discs_need_no_array(void **state)
 {
     struct ellipses e;
@@ -349,6 +372,7 @@ int main(void)
         cmocka_unit_test(file_reads_back),
         cmocka_unit_test(bad_ones_are_discs),
         cmocka_unit_test(tangents_are_straightened),
+        cmocka_unit_test(support_is_the_most),
         cmocka_unit_test(discs_need_no_array),
         cmocka_unit_test(discs_beside_ellipses),
         cmocka_unit_test(normals_are_needed),

@@ -51,7 +51,7 @@ static void configurations(void **state)
     struct study_config all[STUDY_MAX_CONFIGS];
     const struct stp_facts facts = { 0 };
     unsigned count = check_configs(&facts, all), deferred = 0, baseline = 0;
-    assert_int_equal(count, 2 + 2 + 2 + 5 * 9);
+    assert_int_equal(count, 2 + 2 + 2 + 1 + 5 * 9);
     for (unsigned i = 0; i < count; i++) {
         deferred += all[i].method == STP_METHOD_DEFERRED;
         baseline += all[i].method == STP_METHOD_TWO_PASS;

@@ -1,0 +1,43 @@
+/* BSK Fig. 9: the clip lines of a patch that ends at a sharp feature. */
+#ifndef STP_PREPARE_PHONG_CLIP_H
+#define STP_PREPARE_PHONG_CLIP_H
+
+#include "prepare/phong_fit.h"
+
+/* In the frame's plane, from its c: a x + b y + c >= 0 is kept, a^2 + b^2 = 1. */
+struct clip_lines {
+    unsigned count;
+    bool reflex; /* of two: either may keep it */
+    double line[2][3];
+};
+
+/* The edges that a patch has met while it grows: two lines are all that a splat can carry. */
+struct clip_track {
+    struct clip_lines found; /* the first line of each edge, either way round */
+    double sum[2][3];        /* of all lines of that edge */
+    double x, y;             /* sums over the sites */
+    unsigned sites;
+};
+/* Takes a site in, and the edges beside it. False: it lies beyond the edges, or at a third one, or
+ * where an edge is too bent for a line. slack: of a site from its edge's line. */
+bool clip_admits(const struct fit_cloud *cloud, const struct patch_frame *frame, uint32_t site,
+                 double slack, struct clip_track *track);
+
+/* About how much of the ellipse about the frame's c the edges leave: a share of its area. */
+double clip_share(const struct clip_track *track, const double radius[2]);
+
+/* The lines where the frame's plane meets the other sides' planes. Every member is kept; where
+ * lines that keep all would be off the edge by more than `slack` beyond their member's spacing,
+ * there are none. */
+void patch_clips(const struct fit_cloud *cloud, const struct patch *patch,
+                 const struct patch_frame *frame, double slack, struct clip_lines *lines);
+
+/* The area that is left of an ellipse, in the frame's plane. */
+double clip_area(const struct clip_lines *lines, const double center[2], const double radius[2]);
+
+/* The point of the edges that belongs to a member near them, for the ellipse to reach: returns how
+ * many of xy were filled. */
+unsigned clip_feet(const struct clip_lines *lines, double x, double y, double reach,
+                   double xy[3][2]);
+
+#endif
