@@ -219,7 +219,7 @@ const struct option_spec option_table[] = {
       value_choice, AT(load.range.splats), NULL, 0, 0, NULL },
     { NULL, VOLUMES, "uncertainty", 0, "X",
       "times the deviation of every depth; 0: depths are exact (default: what the scene says, else 1)",
-      value_uncertainty, AT(load.range.uncertainty), "a number from 0", 0, 1e6, NULL },
+      value_or_none, AT(load.range.uncertainty), "a number from 0", 0, 1e6, NULL },
 
     { "Picture", VIEW, "background", 0, "R,G,B[,A]|environment|none",
       "composited behind; linear light, alpha straight: it is multiplied in; or what --environment "

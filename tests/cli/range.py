@@ -26,7 +26,7 @@ class Range(command.CommandTest):
         for n, color in ((1, (255, 0, 0)), (2, (0, 0, 255))):
             self.write(f"scan/depth/{n}.pgm", pgm(lambda x, y: 0 if x == 3 else 2000))
             self.write(f"scan/color/{n}.ppm", ppm(color))
-        self.write("scan/intrinsics.txt", "fx 30\nfy 30\ncx 11.5\ncy 8.5\ndepth_scale 1000\n")
+        self.write("scan/intrinsics.txt", "fx 30\nfy 30\ncx 12\ncy 8.5\ndepth_scale 1000\n")
         self.write("scan/pose.txt", "0 0 0 0 0 0 1\n0.1 0 0 0 0 0 1\n")
         self.reference = ["--method", "reference"]
 
@@ -34,7 +34,7 @@ class Range(command.CommandTest):
         self.done("render", "scan", *self.reference, "-o", "a.exr", "--write-camera", "c.json")
         view = json.loads(self.read("c.json"))
         self.assertEqual((view["width"], view["height"]), (WIDE, HIGH))
-        self.assertAlmostEqual(view["intrinsics"]["cx"], 12)
+        self.assertAlmostEqual(view["intrinsics"]["cx"], 12.5)
 
     def test_info(self):
         told = self.done_json("info", "--json", "scan")[0]

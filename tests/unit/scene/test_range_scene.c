@@ -32,7 +32,7 @@ static enum stp_result load(const char *folder, const char *name,
                             struct stp_scene **scene)
 {
     char path[PATH_MAX];
-    struct stp_env env = logged_env(book);
+    struct stp_env env = logged_env(book, 0);
     *scene = NULL;
     enum stp_result result = stp_scene_load(&env, in_folder(folder, name, path), params, scene);
     assert_int_equal(book->errors, result != STP_OK);
@@ -211,7 +211,7 @@ static void every_allocation_fails_once(void **state)
         for (unsigned long n = 1;; n++) {
             struct log_book book;
             struct stp_scene *scene = NULL;
-            struct stp_env env = logged_env(&book);
+            struct stp_env env = logged_env(&book, 1);
             mem_fail_at(n);
             enum stp_result result = stp_scene_load(&env, *state, &params, &scene);
             unsigned long used = mem_count();
