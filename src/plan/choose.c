@@ -159,15 +159,17 @@ static void explain_axis(struct stp_plan *plan, const char *asked)
         [STP_AXIS_SINGLE] = "one list, along the axis nearest to the view's",
         [STP_AXIS_SORT] = "one list, sorted by distance from the eye",
     };
-    bool chosen =
-        plan->params.method == STP_METHOD_AUTO && plan->params.axis_merge == STP_AXIS_SORT;
+    const char *measured =
+        plan->params.method != STP_METHOD_AUTO || plan->params.axis_merge != STP_AXIS_SORT ? ""
+        : plan->facts.range.frames
+            ? "; measured, that is as near to the exact order as axis lists from where a frame was "
+              "taken, 7 dB nearer from aside, and one list for up to three"
+            : "; measured, that is 8 dB and more nearer to the exact order than axis lists, and "
+              "takes less time than blending three of them";
     snprintf(plan->why, sizeof plan->why, "axis is %s: %s, in strict order by %s%s.", asked,
              orders[plan->params.axis_merge],
              plan->path == STP_PATH_RASTER ? "the rasteriser" : "blocks of pixels in compute",
-             chosen
-                 ? "; measured, that is 8 dB and more nearer to the exact order than axis lists, "
-                   "and takes less time than blending three of them"
-                 : "");
+             measured);
 }
 
 static void explain_exact(struct stp_plan *plan, const char *asked)
