@@ -22,6 +22,9 @@ static void ellipsoids_by_compute(void **state)
     assert_int_equal(resource_named(plan, "projected")->bytes, 64 * plan->facts.splats);
     assert_int_equal(plan_find(plan, PLAN_MATERIALS), PLAN_NONE); /* nothing is lit */
     assert_int_equal(plan->constant[PLAN_AXIS_CUT], 0);           /* nothing is near the eye */
+    char *text = stp_plan_print(plan);
+    assert_non_null(strstr(text, " ellipsoids=1"));
+    free(text);
     stp_plan_destroy(&plan);
     look_at(&in.camera, v3(0, 0, 0.1), v3(0, 0.1, -1));
     plan = plan_of(&in);
