@@ -43,6 +43,6 @@ static const struct hard_case cases[] = {
       INFINITY, 0, 0, NULL, HARD_PYRAMID_SURFACE },
     { "Shuffled, other threads, nothing but positions",
       "The same bits, estimated normals and radii among them", bare, NULL, 40, INFINITY, 0, 0, NULL,
-      HARD_PYRAMID_SURFACE },
+      HARD_PYRAMID_POINTS },
 };
 const struct hard_family hard_bits = { "bits", cases, sizeof cases / sizeof *cases };
