@@ -1,15 +1,21 @@
 #!/usr/bin/env python3
-"""Botsch, Spernat and Kobbelt's comparison on models of your own, as Markdown.
+"""Botsch, Spernat and Kobbelt's comparison on models of your own, as Markdown (docs/phong.md).
 
   tools/bench_phong.py curve FILE... [--counts N,N...] [--view AZ,EL] [--method M]
+  tools/bench_phong.py frames FILE... [--counts N,N...] [--rounds N]
   tools/bench_phong.py fit FILE... [--counts N,N...] [--rounds N]
 
-curve: the error (mean absolute linear RGB over covered pixels, 1024 x 1024) of fitted splats against
-the picture of the whole cloud, by the number of splats: Phong (linear fields), averaged (constant
-normals, averaged, shaded once: the default of discs), and, where the command has --shade splat,
-blended (constant normals, shaded, then blended, as the paper blends). Then how many constant splats
-reach the error of each number of Phong splats, by interpolation in logarithms. fit: points a second,
-the median of the rounds. All fits are `stipple prepare --fit-count`, of one generator.
+All splats are made by `stipple prepare --fit-count`, and drawn with the epsilon of their fit. An
+error is the mean absolute difference of linear RGB over covered pixels, 1024 x 1024, against the
+picture of the whole cloud.
+
+curve: the error by the number of splats, of: Phong (linear fields, averaged, shaded once: our
+default), Phong blended (linear fields, each fragment shaded, then blended: the paper's), averaged
+(constant normals, averaged, shaded once: the default of discs), blended (constant normals, shaded,
+then blended: what the paper compares with), flat (the nearest splat's normal, nothing blended).
+Then how many constant splats reach the error of each number of Phong splats. frames: milliseconds
+of a warm frame of Phong splats, and of as many blended ones as have the same error. fit: points a
+second. Times are the medians of the rounds. Edges: tools/bench_phong_edges.py.
 """
 import argparse
 import json
@@ -28,10 +34,6 @@ def run(*arguments):
     return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True)
 
 
-def has_option(command, option):
-    return re.search(re.escape(option) + r"[ =]", run(command, "--help").stdout) is not None
-
-
 def fit(file, count, out, flat=False):
     """The splats that came out, and the milliseconds that it took."""
     told = run("prepare", file, "-o", out, "--fit-count", str(count), *(["--fit-flat"] * flat))
@@ -39,40 +41,53 @@ def fit(file, count, out, flat=False):
     return int(found[2]), int(found[1]), float(found[3])
 
 
-def render(file, arguments, out, more=()):
-    run("render", file, "-o", out, "-q", "--size", "1024x1024", "--view", arguments.view,
+def render(file, arguments, out, camera, more=()):
+    run("render", file, "-o", out, "-q", "--size", "1024x1024", "--camera", camera,
         "--method", arguments.method, "--min-splat", "0", *more)
+
+
+def render_truth(file, arguments, folder):
+    """truth.exr, and camera.json for all others: left to itself, each would be framed by the extent
+    of its own splats."""
+    truth, camera = (os.path.join(folder, n) for n in ("truth.exr", "camera.json"))
+    run("render", file, "-o", truth, "-q", "--size", "1024x1024", "--view", arguments.view,
+        "--method", arguments.method, "--min-splat", "0", "--write-camera", camera)
+    return truth, camera
 
 
 def error(a, b):
     return json.loads(run("compare", "--json", a, b).stdout)["covered"]["mean_absolute"]
 
 
-def ways():
-    """Name, constant fields?, options of the render."""
-    known = [("Phong", False, []), ("averaged", True, [])]
-    if has_option("render", "--shade"):
-        known.append(("blended", True, ["--shade", "splat"]))
-    return known
+# Name, constant normals?, options of the render.
+WAYS = [
+    ("Phong", False, []),
+    ("Phong, blended", False, ["--shade", "splat"]),
+    ("averaged", True, []),
+    ("blended", True, ["--shade", "splat"]),
+    ("flat", True, ["--shade", "flat", "--path", "compute"]),
+]
 
 
 def measure(file, arguments, folder):
-    """Rows of way -> (splats, error), a count."""
-    truth, cloud, out = (os.path.join(folder, n) for n in ("truth.exr", "few.ply", "out.exr"))
-    render(file, arguments, truth)
+    """Rows of way -> (splats, error), a count. Each picture has the epsilon of its fit."""
+    out = os.path.join(folder, "out.exr")
+    truth, camera = render_truth(file, arguments, folder)
+    clouds = {flat: os.path.join(folder, f"few{flat}.ply") for flat in (False, True)}
     rows = []
     for count in arguments.counts:
+        splats = {flat: fit(file, count, cloud, flat)[0] for flat, cloud in clouds.items()}
         row = {}
-        for name, flat, more in ways():
-            splats, _, _ = fit(file, count, cloud, flat)
-            render(cloud, arguments, out, more)
-            row[name] = (splats, error(out, truth))
+        for name, flat, more in WAYS:
+            render(clouds[flat], arguments, out, camera, more)
+            row[name] = (splats[flat], error(out, truth))
         rows.append(row)
     return rows
 
 
 def reaching(rows, name, wanted):
-    """The splats with which `name` comes down to the error, None: never within the counts."""
+    """The splats with which `name` comes down to the error, by interpolation in logarithms; None:
+    not within the counts."""
     for few, many in zip(rows, rows[1:]):
         (n, a), (m, b) = few[name], many[name]
         if b <= wanted <= a and a > b:
@@ -81,27 +96,84 @@ def reaching(rows, name, wanted):
     return None
 
 
+def equal_cell(rows, name, splats, wanted):
+    count = reaching(rows, name, wanted)
+    if count:
+        return f"{count:.0f} ({count / splats:.1f} x)"
+    most, least = rows[-1][name], rows[0][name]
+    return f"above {most[0]} (> {most[0] / splats:.1f} x)" if most[1] > wanted else f"below {least[0]}"
+
+
 def print_curve(file, rows):
     names = list(rows[0])
-    print(f"\n{os.path.basename(file)}\n\n| splats | {' | '.join(names)} |")
+    print(f"\n{os.path.basename(file)}, error\n\n| splats | {' | '.join(names)} |")
     print("|---" * (len(names) + 1) + "|")
     for row in rows:
         print(f"| {row['Phong'][0]} | {' | '.join(f'{row[n][1]:.5f}' for n in names)} |")
-    print(f"\n| Phong splats | {' | '.join(names[1:])}, for the same error |")
-    print("|---" * len(names) + "|")
+    print(f"\n{os.path.basename(file)}, splats for equal error\n\n| {' | '.join(names)} |")
+    print("|---" * len(names) + "|", flush=True)
     for row in rows:
         splats, wanted = row["Phong"]
-        cells = []
-        for name in names[1:]:
-            count = reaching(rows, name, wanted)
-            cells.append(f"{count:.0f} ({count / splats:.1f} x)" if count else "outside the counts")
-        print(f"| {splats} | {' | '.join(cells)} |")
+        cells = [equal_cell(rows, name, splats, wanted) for name in names[1:]]
+        print(f"| {splats} | {' | '.join(cells)} |", flush=True)
 
 
 def curve(arguments):
     with tempfile.TemporaryDirectory() as folder:
         for file in arguments.file:
             print_curve(file, measure(file, arguments, folder))
+
+
+def frame_ms(cloud, arguments, folder, more):
+    stats = os.path.join(folder, "stats.json")
+    render(cloud, arguments, os.path.join(folder, "out.exr"), os.path.join(folder, "camera.json"),
+           ["--repeat", "10", "--stats", stats, *more])
+    with open(stats) as text:
+        return json.load(text)["frame_ms"]["median"]
+
+
+def fit_to_error(file, arguments, folder, way, wanted, start):
+    """Constant splats, in few.ply, that come to the error, within 3 %: how many, and their error.
+    A secant in logarithms: the error falls about as a power of the count."""
+    name, flat, more = way
+    cloud, out, truth, camera = (os.path.join(folder, n) for n in
+                                 (name + ".ply", "out.exr", "truth.exr", "camera.json"))
+    tried, count = [], start
+    for _ in range(6):
+        splats = fit(file, round(count), cloud, flat)[0]
+        render(cloud, arguments, out, camera, more)
+        tried.append((math.log(splats), math.log(error(out, truth) / wanted)))
+        if abs(tried[-1][1]) < 0.03:
+            break
+        slope = -0.5
+        if len(tried) > 1 and tried[-1][0] != tried[-2][0]:
+            slope = min(-0.1, (tried[-1][1] - tried[-2][1]) / (tried[-1][0] - tried[-2][0]))
+        count = math.exp(tried[-1][0] - max(-2, min(2, tried[-1][1] / slope)))
+    return round(math.exp(tried[-1][0])), wanted * math.exp(tried[-1][1])
+
+
+def frames(arguments):
+    """Rounds are interleaved: Phong, then blended, and again."""
+    print("| model | splats, Phong | error | ms | splats, blended | error | ms | blended / Phong |")
+    print("|---" * 8 + "|")
+    with tempfile.TemporaryDirectory() as folder:
+        for file in arguments.file:
+            few = os.path.join(folder, "few.ply")
+            out = os.path.join(folder, "out.exr")
+            truth, camera = render_truth(file, arguments, folder)
+            for count in arguments.counts:
+                phong = fit(file, count, few)[0]
+                render(few, arguments, out, camera)
+                wanted = error(out, truth)
+                many, reached = fit_to_error(file, arguments, folder, WAYS[3], wanted, 4 * count)
+                times = {few: [], os.path.join(folder, "blended.ply"): []}
+                for _ in range(arguments.rounds):
+                    for cloud in times:
+                        more = WAYS[0][2] if cloud == few else WAYS[3][2]
+                        times[cloud].append(frame_ms(cloud, arguments, folder, more))
+                a, b = (statistics.median(t) for t in times.values())
+                print(f"| {os.path.basename(file)} | {phong} | {wanted:.5f} | {a:.1f} | {many} | "
+                      f"{reached:.5f} | {b:.1f} | {b / a:.2f} |", flush=True)
 
 
 def fits(arguments):
@@ -124,15 +196,18 @@ def fits(arguments):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["curve", "fit"])
+    parser.add_argument("what", choices=["curve", "frames", "fit"])
     parser.add_argument("file", nargs="+")
     parser.add_argument("--counts", type=lambda text: [int(n) for n in text.split(",")],
-                        default=[1000, 3000, 10000, 30000, 100000])
+                        help="default: 1000,3000,10000,30000,100000; frames: 3000,10000")
     parser.add_argument("--view", default="35,15")
     parser.add_argument("--method", default="two-pass")
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
-    {"curve": curve, "fit": fits}[arguments.what](arguments)
+    if not arguments.counts:
+        few = arguments.what == "frames"
+        arguments.counts = [3000, 10000] if few else [1000, 3000, 10000, 30000, 100000]
+    {"curve": curve, "frames": frames, "fit": fits}[arguments.what](arguments)
 
 
 if __name__ == "__main__":

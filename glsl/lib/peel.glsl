@@ -2,13 +2,16 @@
 // peeled of a ray ends at frame.nearest.
 const bool PEEL = OPACITY != 0;
 
-// An opaque splat belongs to no transparent layer, and is not peeled with one: it ends the ray.
+// An opaque splat belongs to no transparent layer, and is not peeled with one: it ends the ray, which
+// frame.limits knows beforehand. What is transparent at or behind it belongs to no layer at all.
 bool peeled(uint pixel, uint id, float depth)
 {
     if (!PEEL)
         return false;
     float end = uintBitsToFloat(frame.nearest.v[pixel]);
-    return splat_opaque(id) ? isinf(end) && end > 0 : depth <= end;
+    if (splat_opaque(id))
+        return isinf(end) && end > 0;
+    return depth <= end || (MIXED && depth_order(depth) >= frame.limits.v[pixel]);
 }
 
 // Peeled, or not of one kind with the nearest splat of the layer at hand.

@@ -35,7 +35,7 @@ vec2 pixel_position(uvec2 p)
 // The host's triangles hide what is at or behind their depth.
 bool behind_host(uint pixel, float depth)
 {
-    return HOST_DEPTH != 0 && depth >= frame.limits.v[pixel];
+    return HOST_DEPTH != 0 && depth >= uintBitsToFloat(frame.limits.v[pixel]);
 }
 
 #ifndef GRAPHICS

@@ -97,7 +97,7 @@ void splat_place(vec3 a, inout Splat s)
     s.place = Place(ivec2(whole), vec2(part));
 }
 
-// False: culled, or invisible.
+// False: culled, or invisible. OPAQUE_ONLY: so is what is transparent.
 bool splat_load(uint id, out Splat s)
 {
     vec4 a = frame.splats.v[2 * id], b = frame.splats.v[2 * id + 1];
@@ -123,7 +123,11 @@ bool splat_load(uint id, out Splat s)
         s.phong = phong_load(id, b.xyz, s.normal, turned ? -1 : 1);
     if (PHONG != 0 && CULL_BACK)
         faces = faces || phong_faces(id, b.xyz, -sight);
+#ifdef OPAQUE_ONLY
+    bool invisible = (s.tag & STP_TAG_OPAQUE) == 0;
+#else
     bool invisible = OPACITY != 0 && (s.tag & STP_TAG_INVISIBLE) != 0;
+#endif
     return !invisible && (!CULL_BACK || faces);
 }
 

@@ -24,5 +24,5 @@ void main()
         !block_pixel(block, gl_LocalInvocationIndex, p))
         return;
     frame.limits.v[block * STP_GROUP + gl_LocalInvocationIndex] =
-        limit(ivec2(p) + ivec2(frame.tile_x, frame.tile_y) + push_corner);
+        floatBitsToUint(limit(ivec2(p) + ivec2(frame.tile_x, frame.tile_y) + push_corner));
 }

@@ -2,6 +2,7 @@
 #extension GL_GOOGLE_include_directive : require
 // The classical first pass: the nearest depth of every pixel, and the lowest id that has it.
 // Of a transparent scene, behind the layers that are peeled. Without 64-bit atomics the id takes a pass of its own (NEAREST_ID).
+// OPAQUE_ONLY: before any layer is peeled, the depth at which something opaque ends the ray.
 #include "lib/common.glsl"
 #ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
@@ -23,6 +24,9 @@ uint splat_encode(Splat s)
 
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
+#ifdef OPAQUE_ONLY
+    atomicMin(frame.limits.v[pixel], depth_order(f.depth));
+#else
     if (sums_skip(pixel) || peeled(pixel, id, f.depth))
         return;
     uint at = sums_at(pixel, 0), depth = depth_order(f.depth);
@@ -33,6 +37,7 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
         atomicMin(sums_halves().v[2 * at], id);
 #else
     atomicMin(sums_halves().v[2 * at + 1], depth);
+#endif
 #endif
 }
 

@@ -168,7 +168,8 @@ struct stp_frame_constants {
     STP_ADDRESS(Vec4Ref, axis_sums); /* axis, in parts: 2 a pixel and walk */
     STP_ADDRESS(UintRef,
                 host_words);       /* the host's depth as it was copied, rows of what was copied */
-    STP_ADDRESS(FloatRef, limits); /* the eye depth that ends each pixel's ray */
+    STP_ADDRESS(UintRef, limits);  /* what ends each pixel's ray: bits of the eye depth of the host's
+                                      image; peel: depth_order of what is opaque */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);

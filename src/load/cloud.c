@@ -11,6 +11,8 @@ void cloud_release(struct cloud *cloud)
     mem_free(cloud->color);
     mem_free(cloud->opacity);
     mem_free(cloud->phong);
+    mem_free(cloud->objects);
+    mem_free(cloud->object);
     for (unsigned i = 0; i < cloud->field_count; i++)
         mem_free(cloud->fields[i].value);
     mem_free(cloud->fields);

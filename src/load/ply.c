@@ -144,24 +144,68 @@ static void warn_trailing(const struct ply_file *file)
                     file->path, file->bytes->size - end);
 }
 
-/* The body into a cloud that is allocated; ellipses by way of floats. */
-static enum stp_result read_cloud(const struct ply_file *file, const struct load_options *options,
-                                  unsigned phong_values, struct table *table, struct cloud *cloud)
+/* What only prepared files have: read as floats, beside the cloud. */
+struct extras {
+    unsigned phong_values; /* 0: no ellipses */
+    float (*phong)[PLY_PHONG_VALUES];
+    int object_column; /* -1: one object */
+    float *object;
+};
+
+static enum stp_result plan_extras(const struct ply_file *file, const struct table *table,
+                                   struct extras *extras)
 {
-    float(*raw)[PLY_PHONG_VALUES] = NULL;
-    if (phong_values) {
-        raw = mem_alloc(cloud->count, sizeof *raw);
-        if (!raw)
-            return log_no_memory(file->env, cloud->count * sizeof *raw, file->path);
-        ply_phong_slots(table, phong_values, raw);
-    }
-    enum stp_result result = read_body(file, table);
+    if (!file->header.prepared)
+        return STP_OK;
+    enum stp_result result = ply_phong_plan(file->env, file->path, table, &extras->phong_values);
+    return result == STP_OK ? ply_objects_plan(file->env, file->path, &file->header, table,
+                                               &extras->object_column)
+                            : result;
+}
+
+static enum stp_result allocate_extras(const struct ply_file *file, size_t count,
+                                       struct table *table, struct extras *extras)
+{
+    bool objects = extras->object_column >= 0;
+    if (extras->phong_values)
+        extras->phong = mem_alloc(count, sizeof *extras->phong);
+    if (objects)
+        extras->object = mem_alloc(count, sizeof *extras->object);
+    if ((extras->phong_values && !extras->phong) || (objects && !extras->object))
+        return log_no_memory(file->env, count * sizeof *extras->phong, file->path);
+    if (extras->phong)
+        ply_phong_slots(table, extras->phong_values, extras->phong);
+    if (extras->object)
+        table->column[extras->object_column].slot[0] =
+            (struct slot){ (char *)extras->object, sizeof *extras->object, false };
+    return STP_OK;
+}
+
+static enum stp_result finish_extras(const struct ply_file *file, const struct extras *extras,
+                                     struct cloud *cloud)
+{
+    enum stp_result result = STP_OK;
+    if (extras->phong)
+        result = ply_phong_finish(file->env, file->path, extras->phong_values,
+                                  (const float(*)[PLY_PHONG_VALUES])extras->phong, cloud);
+    if (result == STP_OK && extras->object)
+        result = ply_objects_finish(file->env, file->path, &file->header, extras->object, cloud);
+    return result;
+}
+
+/* The body into a cloud that is allocated. */
+static enum stp_result read_cloud(const struct ply_file *file, const struct load_options *options,
+                                  struct extras *extras, struct table *table, struct cloud *cloud)
+{
+    enum stp_result result = allocate_extras(file, cloud->count, table, extras);
+    if (result == STP_OK)
+        result = read_body(file, table);
     if (result == STP_OK)
         result = table_finish(file->env, file->path, options, table, cloud);
-    if (result == STP_OK && phong_values)
-        result = ply_phong_finish(file->env, file->path, phong_values,
-                                  (const float(*)[PLY_PHONG_VALUES])raw, cloud);
-    mem_free(raw);
+    if (result == STP_OK)
+        result = finish_extras(file, extras, cloud);
+    mem_free(extras->phong);
+    mem_free(extras->object);
     return result;
 }
 
@@ -177,10 +221,10 @@ static enum stp_result read_vertices(const struct ply_file *file,
                          file->header.body, table_has(table, ROLE_X) ? "y" : "x");
     if (!table_has(table, ROLE_Z))
         log_warning(file->env, "%s: element \"vertex\" has no property z: taken as 0", file->path);
-    unsigned phong_values = 0;
+    struct extras extras = { .object_column = -1 };
     enum stp_result result = table_plan(file->env, file->path, options, table);
-    if (result == STP_OK && file->header.prepared)
-        result = ply_phong_plan(file->env, file->path, table, &phong_values);
+    if (result == STP_OK)
+        result = plan_extras(file, table, &extras);
     if (result == STP_OK)
         result = check_size(file);
     if (result == STP_OK)
@@ -188,7 +232,7 @@ static enum stp_result read_vertices(const struct ply_file *file,
     if (result != STP_OK)
         return result;
     warn_trailing(file);
-    return read_cloud(file, options, phong_values, table, cloud);
+    return read_cloud(file, options, &extras, table, cloud);
 }
 
 static enum stp_result read_points(struct ply_file *file, const struct load_options *options,
@@ -228,6 +272,9 @@ enum stp_result ply_read(const struct stp_env *env, const char *path,
         return result;
     result = read_points(&file, options, &read);
     snprintf(read.format, sizeof read.format, "%s", names[file.header.encoding]);
+    read.object_count = file.header.object_count;
+    read.objects = file.header.objects;
+    file.header.objects = NULL;
     ply_header_release(&file.header);
     if (result == STP_OK)
         *cloud = read;

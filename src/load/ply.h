@@ -32,7 +32,7 @@ struct ply_element {
 };
 
 /* Bounds on what a header may declare: far beyond real files, far below what could hurt. */
-#define PLY_MAX_HEADER     ((size_t)1 << 20)
+#define PLY_MAX_HEADER     ((size_t)8 << 20) /* a comment for each of 65535 objects */
 #define PLY_MAX_ELEMENTS   64
 #define PLY_MAX_PROPERTIES 1024
 
@@ -41,6 +41,8 @@ struct ply_header {
     char eol;
     bool prepared; /* written by stp_scene_save */
     size_t body;   /* offset of the first byte after the header */
+    unsigned object_count;
+    struct cloud_object *objects; /* owned; what a prepared file's comments say of them */
     unsigned element_count, property_count;
     struct ply_element element[PLY_MAX_ELEMENTS];
     struct ply_property *property; /* PLY_MAX_PROPERTIES; names point into the file */
@@ -84,5 +86,18 @@ enum stp_result ply_phong_plan(const struct stp_env *env, const char *path,
 void ply_phong_slots(struct table *table, unsigned values, float (*raw)[PLY_PHONG_VALUES]);
 enum stp_result ply_phong_finish(const struct stp_env *env, const char *path, unsigned values,
                                  const float (*raw)[PLY_PHONG_VALUES], struct cloud *cloud);
+
+/* Objects of a prepared file. From the header: the words after "comment stipple object". After
+ * table_plan: the column that tells whose a vertex is, where there are several; -1: there are not.
+ * Then: what was read from it. What is damaged is refused. */
+enum stp_result ply_objects_note(const struct stp_env *env, const char *path,
+                                 const struct slice *token, unsigned tokens,
+                                 struct ply_header *header);
+enum stp_result ply_objects_plan(const struct stp_env *env, const char *path,
+                                 const struct ply_header *header, const struct table *table,
+                                 int *column);
+enum stp_result ply_objects_finish(const struct stp_env *env, const char *path,
+                                   const struct ply_header *header, const float *raw,
+                                   struct cloud *cloud);
 
 #endif

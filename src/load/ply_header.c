@@ -141,15 +141,23 @@ static enum stp_result read_property(struct scan *scan, const struct line *line)
     return STP_OK;
 }
 
+/* Comments mean something in a prepared file only. */
+static enum stp_result read_comment(struct scan *scan, const struct line *line)
+{
+    if (slice_is(line->all, "comment stipple prepared 1"))
+        scan->header->prepared = true;
+    if (!scan->header->prepared || line->count < 3 || !slice_is(line->token[1], "stipple") ||
+        !slice_is(line->token[2], "object"))
+        return STP_OK;
+    return ply_objects_note(scan->env, scan->path, line->token + 3, line->count - 3, scan->header);
+}
+
 static enum stp_result read_line(struct scan *scan, const struct line *line)
 {
     if (line->count == 0 || slice_is(line->token[0], "obj_info"))
         return STP_OK;
-    if (slice_is(line->token[0], "comment")) {
-        if (slice_is(line->all, "comment stipple prepared 1"))
-            scan->header->prepared = true;
-        return STP_OK;
-    }
+    if (slice_is(line->token[0], "comment"))
+        return read_comment(scan, line);
     if (slice_is(line->token[0], "format"))
         return read_format(scan, line);
     if (slice_is(line->token[0], "element"))
@@ -201,7 +209,10 @@ enum stp_result ply_header_read(const struct stp_env *env, const char *path,
 void ply_header_release(struct ply_header *header)
 {
     mem_free(header->property);
+    mem_free(header->objects);
     header->property = NULL;
+    header->objects = NULL;
+    header->object_count = 0;
 }
 
 size_t ply_type_size(enum ply_type type)

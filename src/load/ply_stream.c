@@ -186,10 +186,12 @@ static enum stp_result open_vertices(const struct stp_env *env, const char *path
     bool has_list = false;
     if (!vertex || vertex->count == 0 || ply_is_gaussian(header, vertex))
         return STP_OK;
-    if (header->encoding == PLY_ASCII) {
-        *why = "it is text";
+    if (header->encoding == PLY_ASCII || header->object_count > 1) {
+        *why = header->object_count > 1 ? "it holds several objects" : "it is text";
         return STP_OK;
     }
+    if (header->object_count)
+        stream->object = header->objects[0];
     bool whole = find_rows(env, header, vertex, stream, &has_list);
     *why = has_list ? "it holds lists before or among its vertices" : NULL;
     if (*why || !whole)

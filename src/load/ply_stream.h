@@ -9,6 +9,7 @@ struct ply_stream {
     char *path;
     struct load_options options;
     char format[32];              /* as in struct cloud */
+    struct cloud_object object;   /* what the file says of the one it holds */
     size_t offset, stride, count; /* of the rows */
     char *head, *tail; /* header of a file of such vertices: what comes before their count, after */
 };

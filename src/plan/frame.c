@@ -164,12 +164,14 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     plan->frame.opacity = plan->facts.opacity_min;
 }
 
-/* The least of the objects': slabs, and steps of depth, must not be wider than any epsilon. */
+/* The least of the objects': slabs, and steps of depth, must not be wider than any epsilon. An
+ * object of which no splat is left has none. */
 static double least_epsilon(const struct stp_scene *scene)
 {
-    double least = scene->objects[0].epsilon;
-    for (unsigned i = 1; i < scene->object_count; i++)
-        least = fmin(least, scene->objects[i].epsilon);
+    double least = INFINITY;
+    for (unsigned i = 0; i < scene->object_count; i++)
+        if (scene->objects[i].epsilon > 0)
+            least = fmin(least, scene->objects[i].epsilon);
     return least;
 }
 

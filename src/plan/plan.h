@@ -243,6 +243,10 @@ enum plan_shader {
     PLAN_SHADER_TRANSPARENT_MASK,
     PLAN_SHADER_TRANSPARENT_COMPOSITE,
     PLAN_SHADER_TRANSPARENT_COMPOSITE_NEAREST,
+    PLAN_SHADER_PEEL_OPAQUE,
+    PLAN_SHADER_PEEL_OPAQUE_LARGE,
+    PLAN_SHADER_PEEL_OPAQUE_VERTEX,
+    PLAN_SHADER_PEEL_LIMITS,
     PLAN_SHADER_HOST_LIMITS,
     PLAN_SHADER_LIGHT_CUBE,
     PLAN_SHADER_HOST_VERTEX,
@@ -455,7 +459,8 @@ struct plan_grid plan_tile_grid(const struct stp_plan *plan, const struct plan_t
 /* Workgroups of a pass over one level of a grid. */
 uint32_t plan_level_blocks(const struct plan_grid *grid, uint32_t level);
 void plan_transparent(struct stp_plan *plan);
-/* Before the two-pass method is repeated for every layer: nothing is peeled. */
+/* Before the two-pass method is repeated for every layer: nothing is peeled; where what is opaque
+ * ends the rays. */
 void plan_peel_begin(struct stp_plan *plan);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */

@@ -62,13 +62,19 @@ uint8_t plan_find(const struct stp_plan *plan, enum plan_slot slot)
     return PLAN_NONE;
 }
 
-/* A slot that this plan does not have is not accessed: shaders skip it by a constant. */
+/* A slot that this plan does not have is not accessed: shaders skip it by a constant. Of several
+ * accesses to one, one is kept that is of all their kinds. */
 static void access(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot,
                    unsigned kind)
 {
     uint8_t resource = plan_find(plan, slot);
     if (resource == PLAN_NONE)
         return;
+    for (unsigned i = 0; i < pass->access_count; i++)
+        if (pass->access[i].resource == resource) {
+            pass->access[i].kind |= (uint8_t)kind;
+            return;
+        }
     assert(pass->access_count < PLAN_MAX_ACCESSES);
     pass->access[pass->access_count++] = (struct plan_access){ resource, (uint8_t)kind };
 }

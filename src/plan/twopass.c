@@ -1,8 +1,9 @@
 /* The classical 2+1 pass (ZP 3.1, BSK 4): nearest depth, sums within epsilon of it, normalise. Of a
  * transparent scene it is depth peeling (ZP 2, 6.2), the baseline: the same passes are repeated
  * once a layer, what is left of the ray lies in the picture itself, and PLAN_NEAREST holds where
- * each pixel's peeled layers end. What a scene lacks is not accessed: without it none of this is
- * there. */
+ * each pixel's peeled layers end; where some splats are opaque, a pass of them alone goes first and
+ * leaves in PLAN_LIMITS where they end the rays. What a scene lacks is not accessed: without it
+ * none of this is there. */
 #include "plan/offer.h"
 
 static void compute(struct stp_plan *plan)
@@ -54,21 +55,36 @@ static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan
     return pass;
 }
 
-static void raster(struct stp_plan *plan)
+static struct plan_pass *draw_visibility(struct stp_plan *plan, const char *name)
 {
+    struct plan_pass *pass =
+        draw(plan, name, PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT, PLAN_RASTER_WINNER);
+    plan_attaches(plan, pass, PLAN_IMAGE_ID);
+    plan_attaches(plan, pass, PLAN_IMAGE_DEPTH);
+    return pass;
+}
+
+static void visibility_images(struct stp_plan *plan)
+{
+    if (plan_find(plan, PLAN_IMAGE_ID) != PLAN_NONE) /* what is opaque was drawn to them */
+        return;
     plan_image(plan, "nearest", PLAN_IMAGE_ID, PLAN_RG32UI, 1);
     plan_image(plan, "depth test", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
+}
+
+static void raster(struct stp_plan *plan)
+{
+    visibility_images(plan);
     plan_image(plan, "sum", PLAN_IMAGE_SUM, PLAN_RGBA32F, 1);
     plan_image(plan, "depth sum", PLAN_IMAGE_SUM_DEPTH, PLAN_RG32F, 1);
     bool colors = plan->constant[PLAN_HAS_COLOR] || plan->constant[PLAN_OPACITY] == 2 ||
                   plan->params.shade == STP_SHADE_SPLAT;
     if (colors)
         plan_image(plan, "color sum", PLAN_IMAGE_SUM_COLOR, PLAN_RGBA32F, 1);
-    struct plan_pass *pass =
-        draw(plan, "visibility", PLAN_SHADER_TWOPASS_DEPTH_FRAGMENT, PLAN_RASTER_WINNER);
-    plan_attaches(plan, pass, PLAN_IMAGE_ID);
-    plan_attaches(plan, pass, PLAN_IMAGE_DEPTH);
+    struct plan_pass *pass = draw_visibility(plan, "visibility");
+    plan_reads(plan, pass, PLAN_LIMITS);
     pass = draw(plan, "blend", PLAN_SHADER_TWOPASS_SUM_FRAGMENT, PLAN_RASTER_BLEND);
+    plan_reads(plan, pass, PLAN_LIMITS);
     plan_reads(plan, pass, PLAN_IMAGE_ID);
     plan_attaches(plan, pass, PLAN_IMAGE_SUM);
     plan_attaches(plan, pass, PLAN_IMAGE_SUM_DEPTH);
@@ -90,10 +106,33 @@ static void raster(struct stp_plan *plan)
         plan_outputs(plan, pass, slot);
 }
 
+/* Where the nearest opaque fragment ends each pixel's ray, by either path. */
+static void find_opaque(struct stp_plan *plan)
+{
+    static const enum plan_slot found[] = { PLAN_LIMITS, PLAN_SLOTS };
+    plan_resource(plan, "opaque", PLAN_LIMITS, PLAN_TRANSIENT, plan_pixels(plan) * 4);
+    if (plan->path == STP_PATH_COMPUTE) {
+        plan_fill(plan, PLAN_LIMITS, 0x7f800000u, "nothing opaque");
+        plan_writes(plan, plan_pass(plan, PLAN_ARGUMENTS, "reset arguments"), PLAN_WORK);
+        plan_splat(plan, "opaque", PLAN_SHADER_PEEL_OPAQUE, PLAN_SHADER_PEEL_OPAQUE_LARGE, false,
+                   found);
+        return;
+    }
+    visibility_images(plan);
+    struct plan_pass *pass = draw_visibility(plan, "opaque");
+    pass->vertex = PLAN_SHADER_PEEL_OPAQUE_VERTEX;
+    pass = plan_pass(plan, PLAN_DISPATCH, "opaque ends");
+    pass->shader = PLAN_SHADER_PEEL_LIMITS;
+    plan_reads(plan, pass, PLAN_IMAGE_ID);
+    plan_writes(plan, pass, PLAN_LIMITS);
+}
+
 void plan_peel_begin(struct stp_plan *plan)
 {
     plan_resource(plan, "peeled", PLAN_NEAREST, PLAN_TRANSIENT, plan_pixels(plan) * 4);
     plan_fill(plan, PLAN_NEAREST, 0xff800000u, "nothing peeled");
+    if (plan->constant[PLAN_MIXED])
+        find_opaque(plan);
 }
 
 void plan_twopass(struct stp_plan *plan)

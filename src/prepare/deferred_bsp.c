@@ -1,10 +1,18 @@
 #include "prepare/deferred_bsp.h"
 
+#include <math.h>
+
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
 
 #define JOB_LEVELS 4 /* a group is walked in at most 2^4 parts, side by side */
+
+/* Planes are at right angles to one of these: the axes, and what lies halfway between two. */
+#define DIRECTIONS 9
+static const int8_t directions[DIRECTIONS][3] = { { 1, 0, 0 },  { 0, 1, 0 },  { 0, 0, 1 },
+                                                  { 1, 1, 0 },  { 1, -1, 0 }, { 1, 0, 1 },
+                                                  { 1, 0, -1 }, { 0, 1, 1 },  { 0, 1, -1 } };
 
 struct item {
     float p[3];
@@ -17,23 +25,30 @@ struct building {
     struct item *items;
 };
 
-/* Is a below b along the axis, along the next one where they are level, along the last one where
- * they are level again? That is a plane turned by as good as nothing, so that an eye within the
- * plane has a side too. */
-static bool below(const float a[3], const float b[3], int axis)
+static float along(const float p[3], int direction)
 {
-    int next = (axis + 1) % 3, last = (axis + 2) % 3;
-    if (a[axis] != b[axis])
-        return a[axis] < b[axis];
-    return a[next] != b[next] ? a[next] < b[next] : a[last] < b[last];
+    const int8_t *d = directions[direction];
+    return (float)d[0] * p[0] + (float)d[1] * p[1] + (float)d[2] * p[2];
+}
+
+/* Is a below b along the direction, along the first axis where they are level, and so on? That is a
+ * plane turned by as good as nothing, so that an eye within the plane has a side too. */
+static bool below(const float a[3], const float b[3], int direction)
+{
+    float s = along(a, direction), t = along(b, direction);
+    if (s != t)
+        return s < t;
+    if (a[0] != b[0])
+        return a[0] < b[0];
+    return a[1] != b[1] ? a[1] < b[1] : a[2] < b[2];
 }
 
 /* A total order: no two ids are equal. */
-static bool item_before(struct item a, struct item b, int axis)
+static bool item_before(struct item a, struct item b, int direction)
 {
-    if (below(a.p, b.p, axis))
+    if (below(a.p, b.p, direction))
         return true;
-    return !below(b.p, a.p, axis) && a.id < b.id;
+    return !below(b.p, a.p, direction) && a.id < b.id;
 }
 
 static size_t any_between(size_t low, size_t high)
@@ -42,17 +57,17 @@ static size_t any_between(size_t low, size_t high)
     return low + (size_t)((h >> 32) % (high - low));
 }
 
-/* Moves the n-th item of [low, high) along the axis to its place, lesser ones before it. The pivot
- * is arbitrary but the same for every run; no file can be made slow by its order. */
-static void select_item(struct item *items, size_t low, size_t high, size_t n, int axis)
+/* Moves the n-th item of [low, high) along the direction to its place, lesser ones before it. The
+ * pivot is arbitrary but the same for every run; no file can be made slow by its order. */
+static void select_item(struct item *items, size_t low, size_t high, size_t n, int direction)
 {
     while (high - low > 1) {
         struct item pivot = items[any_between(low, high)];
         size_t i = low, j = high - 1;
         for (;;) {
-            while (item_before(items[i], pivot, axis))
+            while (item_before(items[i], pivot, direction))
                 i++;
-            while (item_before(pivot, items[j], axis))
+            while (item_before(pivot, items[j], direction))
                 j--;
             if (i >= j)
                 break;
@@ -69,32 +84,68 @@ static void select_item(struct item *items, size_t low, size_t high, size_t n, i
     }
 }
 
-static int widest_axis(const struct item *items, size_t low, size_t high)
+/* Second moments, xx yy zz xy xz yz. */
+static void moments_add(double m[6], const double v[3], double weight)
 {
-    float least[3], most[3];
     for (int a = 0; a < 3; a++)
-        least[a] = most[a] = items[low].p[a];
-    for (size_t i = low + 1; i < high; i++)
+        m[a] += weight * v[a] * v[a];
+    m[3] += weight * v[0] * v[1];
+    m[4] += weight * v[0] * v[2];
+    m[5] += weight * v[1] * v[2];
+}
+
+static double moments_along(const double m[6], int direction)
+{
+    const int8_t *d = directions[direction];
+    double squares = m[0] * d[0] * d[0] + m[1] * d[1] * d[1] + m[2] * d[2] * d[2];
+    return squares + 2 * (m[3] * d[0] * d[1] + m[4] * d[0] * d[2] + m[5] * d[1] * d[2]);
+}
+
+/* The direction in which centres are spread most for what their discs reach along it, which is
+ * r sqrt(1 - (n.d)^2): a plane across it cuts the fewest discs, and those are what may come in the
+ * wrong order. Sheets closer than their discs are wide are so parted along their normal. A cut
+ * across an edge of a box is sqrt(2) as long as one across a face: slanted planes must be better by
+ * that. */
+static int least_cut(const struct building *b, size_t low, size_t high)
+{
+    const struct splats *splats = b->splats;
+    double spread[6] = { 0 }, flat[6] = { 0 }, reach = 0, best = -1;
+    const float *from = b->items[low].p;
+    double mean[3] = { 0 }, count = (double)(high - low);
+    int found = 0;
+    for (size_t i = low; i < high; i++) {
+        uint32_t id = b->items[i].id;
+        double p[3], n[3], r2 = (double)splats->radius[id] * splats->radius[id];
         for (int a = 0; a < 3; a++) {
-            least[a] = items[i].p[a] < least[a] ? items[i].p[a] : least[a];
-            most[a] = items[i].p[a] > most[a] ? items[i].p[a] : most[a];
+            p[a] = (double)b->items[i].p[a] - from[a];
+            n[a] = splats->normal[id][a];
+            mean[a] += p[a] / count;
         }
-    int best = 0;
-    for (int a = 1; a < 3; a++)
-        if (most[a] - least[a] > most[best] - least[best])
-            best = a;
-    return best;
+        moments_add(spread, p, 1);
+        moments_add(flat, n, r2);
+        reach += r2;
+    }
+    moments_add(spread, mean, -count);
+    for (int d = 0; d < DIRECTIONS; d++) {
+        double length2 = d < 3 ? 1 : 2, cut = length2 * reach - moments_along(flat, d);
+        double gain = moments_along(spread, d) / (length2 * fmax(cut, 1e-6 * reach));
+        if (gain > best) {
+            best = gain;
+            found = d;
+        }
+    }
+    return found;
 }
 
 static void build_range(struct building *b, size_t low, size_t high)
 {
     while (high > low) {
         size_t middle = low + (high - low) / 2;
-        int axis = widest_axis(b->items, low, high);
-        select_item(b->items, low, high, middle, axis);
+        int direction = least_cut(b, low, high);
+        select_item(b->items, low, high, middle, direction);
         const struct item *m = &b->items[middle];
         b->groups->node[middle] =
-            (struct bsp_node){ { m->p[0], m->p[1], m->p[2] }, m->id, (uint8_t)axis };
+            (struct bsp_node){ { m->p[0], m->p[1], m->p[2] }, m->id, (uint8_t)direction };
         build_range(b, middle + 1, high);
         high = middle;
     }
@@ -137,6 +188,8 @@ struct job {
 struct walk {
     const struct bsp_node *node;
     float eye[3];
+    bool parallel;           /* then the eye is a direction, and */
+    bool beyond[DIRECTIONS]; /* is what lies above a plane nearer to it? */
     uint32_t *out;
     unsigned count;
     struct job job[STP_MAX_GROUPS << JOB_LEVELS];
@@ -145,7 +198,7 @@ struct walk {
 /* Is what lies above the node's plane behind it? */
 static bool high_is_far(const struct walk *w, const struct bsp_node *n)
 {
-    return below(w->eye, n->p, n->axis);
+    return w->parallel ? !w->beyond[n->direction] : below(w->eye, n->p, n->direction);
 }
 
 static void emit(const struct walk *w, size_t low, size_t high, uint32_t *out)
@@ -191,12 +244,15 @@ static void run_jobs(void *context, size_t begin, size_t end, unsigned worker)
         emit(w, w->job[i].low, w->job[i].high, w->out + w->job[i].at);
 }
 
-void bsp_order(const struct stp_env *env, const struct cover_groups *groups, const double eye[3],
+void bsp_order(const struct stp_env *env, const struct cover_groups *groups, const double eye[4],
                uint32_t *out)
 {
-    struct walk w = { .node = groups->node, .out = out };
+    static const float origin[3];
+    struct walk w = { .node = groups->node, .out = out, .parallel = eye[3] == 0 };
     for (int a = 0; a < 3; a++)
         w.eye[a] = (float)eye[a];
+    for (int d = 0; d < DIRECTIONS; d++)
+        w.beyond[d] = below(origin, w.eye, d);
     for (unsigned k = 0; k < groups->groups; k++)
         cut(&w, (struct job){ groups->first[k], groups->first[k + 1], groups->first[k] },
             JOB_LEVELS);

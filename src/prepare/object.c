@@ -174,7 +174,7 @@ enum stp_result prepare_object(const struct stp_env *env, struct scene_object *o
     facts->duplicates += duplicates;
     if (result == STP_OK && made.splats.count > 0) {
         result = complete(env, &need, scene_axes(up).up, facts);
-        made.estimated = need.all_normals;
+        made.estimated = object->estimated |= need.all_normals;
         if (result == STP_OK) {
             fill_discs(&made.splats);
             result = finish(env, object, up, want_color, &made.splats);

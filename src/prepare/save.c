@@ -7,6 +7,7 @@
 #include <string.h>
 
 #include "base/file.h"
+#include "base/json.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "prepare/prepare.h"
@@ -22,8 +23,12 @@ static void write_header(FILE *file, const struct stp_scene *scene)
 {
     const struct splats *s = &scene->splats;
     fprintf(file, "ply\nformat binary_little_endian 1.0\ncomment stipple prepared 1\n");
-    for (unsigned i = 0; i < scene->object_count; i++)
-        fprintf(file, "comment stipple object %u epsilon %.17g\n", i, scene->objects[i].epsilon);
+    for (unsigned i = 0; i < scene->object_count; i++) {
+        char epsilon[JSON_NUMBER_SIZE]; /* read back bit for bit, whatever the locale */
+        fprintf(file, "comment stipple object %u epsilon %s%s\n", i,
+                json_number_text(scene->objects[i].epsilon, epsilon),
+                scene->objects[i].estimated ? " normals estimated" : "");
+    }
     fprintf(file,
             "element vertex %zu\nproperty double x\nproperty double y\nproperty double z\n"
             "property float nx\nproperty float ny\nproperty float nz\nproperty float radius\n",

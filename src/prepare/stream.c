@@ -284,7 +284,7 @@ static void keep(struct stp_scene *scene, const struct stp_prepare_params *param
     facts_origin(m->core, scene->splats.origin);
     memcpy(m->facts.origin, scene->splats.origin, sizeof m->facts.origin);
     memcpy(scene->core, m->core, sizeof m->core);
-    prepare_decide(scene, params, 0, &m->facts);
+    prepare_decide(scene, params, scene->objects[0].estimated ? m->facts.splats : 0, &m->facts);
     if (scene->objects[0].epsilon == 0)
         scene->objects[0].epsilon = (double)m->facts.radius_median;
     scene->facts = m->facts;

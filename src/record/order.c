@@ -6,17 +6,16 @@
 #include "prepare/deferred_bsp.h"
 #include "scene/scene.h"
 
-#include <math.h>
-
-/* Relative to the splats' origin; at infinity, against the view, for an orthographic camera. */
-static void eye_of(const struct stp_camera *camera, const double origin[3], double eye[3])
+/* Relative to the splats' origin; of an orthographic camera, against the view. */
+static void eye_of(const struct stp_camera *camera, const double origin[3], double eye[4])
 {
     const double *m = camera->world_to_camera;
     for (int a = 0; a < 3; a++) {
         eye[a] = -(m[a] * m[3] + m[4 + a] * m[7] + m[8 + a] * m[11]) - origin[a];
         if (camera->orthographic)
-            eye[a] = m[8 + a] > 0 ? INFINITY : -INFINITY; /* the camera looks along -row 2 */
+            eye[a] = m[8 + a]; /* the camera looks along -row 2 */
     }
+    eye[3] = camera->orthographic ? 0 : 1;
 }
 
 enum stp_result record_order(const struct stp_env *env, struct record_frame *frame,
@@ -27,7 +26,7 @@ enum stp_result record_order(const struct stp_env *env, struct record_frame *fra
         return STP_OK;
     struct gpu_buffer *buffer = &frame->resources.buffer[plan_find(plan, PLAN_ORDER)];
     size_t members = scene->cover.first[scene->cover.groups];
-    double eye[3];
+    double eye[4];
     eye_of(&plan->camera, scene->splats.origin, eye);
     if (buffer->mapped && buffer->coherent) {
         bsp_order(env, &scene->cover, eye, buffer->mapped);

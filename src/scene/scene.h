@@ -31,6 +31,7 @@ struct scene_object {
     struct cloud cloud; /* released by prepare */
     struct stp_material material;
     double epsilon; /* 0 until prepare resolves it to the median radius of the object */
+    bool estimated; /* its normals were: by prepare, or by the one that wrote the file */
     float opacity;  /* [0, 1], with the material's; in splats.opacity too, once prepared */
     enum color_source color_source;
     struct stp_optics optics; /* every field as it is meant: defaults filled in */

@@ -55,6 +55,8 @@ static void transform_cloud(struct cloud *cloud, const double m[16], double scal
         if (cloud->phong)
             phong_transform(&cloud->phong[i], m, scale);
     }
+    for (unsigned i = 0; i < cloud->object_count; i++)
+        cloud->objects[i].epsilon *= scale;
 }
 
 /* What the bytes are: a volume where a header says so, where the caller gives dims, or where no
@@ -112,13 +114,49 @@ static struct stp_object_params object_of(const struct stp_load_params *params)
                                        .optics = params->optics };
 }
 
+/* What the file says of the object stands where the caller says nothing. */
+static enum stp_result add_object(const struct stp_env *env, struct stp_scene *scene,
+                                  const struct stp_load_params *params,
+                                  const struct cloud_object *said, struct cloud *cloud)
+{
+    struct stp_object_params object = object_of(params);
+    bool estimated = said && said->estimated;
+    if (said && object.epsilon == 0)
+        object.epsilon = said->epsilon;
+    enum stp_result result = scene_add_cloud(env, scene, cloud, &object);
+    if (result != STP_OK)
+        return result;
+    scene->objects[scene->object_count - 1].estimated = estimated;
+    scene->objects[scene->object_count - 1].color_source = color_source(params->color_by);
+    return STP_OK;
+}
+
+/* The objects of a file: most hold one, and say nothing of it. */
+static enum stp_result add_objects(const struct stp_env *env, struct stp_scene *scene,
+                                   const struct stp_load_params *params, struct cloud *cloud)
+{
+    struct cloud *parts;
+    if (!cloud->object)
+        return add_object(env, scene, params, cloud->objects, cloud);
+    unsigned count = cloud->object_count;
+    enum stp_result result = cloud_split(env, cloud, &parts);
+    if (result != STP_OK)
+        return result;
+    cloud_release(cloud);
+    for (unsigned i = 0; i < count && result == STP_OK; i++)
+        result = add_object(env, scene, params, parts[i].objects, &parts[i]);
+    for (unsigned i = 0; i < count; i++)
+        cloud_release(&parts[i]);
+    mem_free(parts);
+    return result;
+}
+
 static enum stp_result add_points(const struct stp_env *env, struct stp_scene *scene,
                                   const char *path, const struct file_bytes *bytes,
                                   const struct stp_load_params *params,
                                   const struct scene_entry *entry)
 {
     const struct load_options options = options_of(params);
-    const struct stp_object_params object = object_of(params);
     struct cloud cloud = { 0 };
     enum stp_result result = load_from_bytes(env, path, bytes, &options, &cloud);
     if (result != STP_OK)
@@ -129,10 +167,8 @@ static enum stp_result add_points(const struct stp_env *env, struct stp_scene *s
         cloud.up = params->up;
     result = cloud_give_radius(env, params->radius, &cloud);
     if (result == STP_OK)
-        result = scene_add_cloud(env, scene, &cloud, &object);
+        result = add_objects(env, scene, params, &cloud);
     cloud_release(&cloud);
-    if (result == STP_OK)
-        scene->objects[scene->object_count - 1].color_source = color_source(params->color_by);
     return result;
 }
 
@@ -140,13 +176,12 @@ static enum stp_result add_points(const struct stp_env *env, struct stp_scene *s
 static enum stp_result add_stream(const struct stp_env *env, struct stp_scene *scene,
                                   const struct stp_load_params *params, struct ply_stream *file)
 {
-    const struct stp_object_params object = object_of(params);
     struct cloud none = { .up = params->up ? params->up : STP_UP_Y };
     struct scene_stream *stream = mem_zalloc(1, sizeof *stream);
     if (!stream)
         return log_no_memory(env, sizeof *stream, file->path);
     memcpy(none.format, file->format, sizeof none.format);
-    enum stp_result result = scene_add_cloud(env, scene, &none, &object);
+    enum stp_result result = add_object(env, scene, params, &file->object, &none);
     if (result != STP_OK) {
         mem_free(stream);
         return result;

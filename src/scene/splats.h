@@ -21,11 +21,12 @@ struct splats {
     uint8_t *group;                /* NULL: not grouped; in [0, facts.grouping.groups) */
 };
 
-/* A plane at right angles to an axis, through the centre of splat id, p, relative to the origin. */
+/* A plane through the centre of splat id, p, relative to the origin; how it stands is
+ * prepare/deferred_bsp.c's. */
 struct bsp_node {
     float p[3];
     uint32_t id;
-    uint8_t axis;
+    uint8_t direction;
 };
 
 /* ZP 4.2: groups for transparency, each covering the surface; a splat may be in several. */

@@ -64,7 +64,7 @@ class Report(command.CommandTest):
     def test_rows(self):
         rows = self.make()
         self.assertEqual({row["method"] for row in rows},
-                         {"exact", "two-pass", "deferred", "reference"})
+                         {"exact", "two-pass", "deferred", "pyramid", "reference"})
         for row in rows:
             times = [float(row["ms_" + k]) for k in
                      ["min", "quartile1", "median", "quartile3", "max"]]

@@ -146,6 +146,11 @@ def make_ply():
              b"float radius", b"float red", b"float green", b"float blue", b"float opacity",
              b"uint input_index", b"ushort object", b"uchar group")) + b"end_header\n"
          + struct.pack("<3d8fIHB", 1, 2, 3, 0, 0, 1, .5, .1, .2, .3, .9, 0, 0, 1))
+    seed("ply", "objects.ply", "ply\nformat ascii 1.0\ncomment stipple prepared 1\n"
+         "comment stipple object 0 epsilon 0.25\n"
+         "comment stipple object 1 epsilon 1e-3 normals estimated\n"
+         "element vertex 2\nproperty double x\nproperty double y\nproperty double z\n"
+         "property ushort object\nend_header\n1 2 3 1\n4 5 6 0\n")
 
 
 def make_text():

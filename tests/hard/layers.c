@@ -124,14 +124,14 @@ static double check_two(const struct hard_scene *s, const struct stp_image *imag
     return worst;
 }
 
-/* A ball whose opacities are anything below 1. */
+/* A ball whose opacities are anything, a tenth of them 1: opaque splats stand within its layers. */
 static void varying(const struct hard_options *o, struct hard_scene *s)
 {
     struct hard_points cloud = points_ball(o, v3(0, 0, 0), 0.15);
     uint32_t seed = o->seed;
     for (size_t i = 0; i < cloud.count; i++) {
         double u = hard_random(&seed);
-        points_fade(&cloud, i, u < 0.1 ? 0 : u < 0.2 ? 1e-6 : u);
+        points_fade(&cloud, i, u < 0.1 ? 0 : u < 0.2 ? 1e-6 : u < 0.9 ? u : 1);
     }
     s->scene = points_scene(&cloud, 0, 2);
     s->camera = hard_look(o, v3(0, 0, 0), 4.6, 30);

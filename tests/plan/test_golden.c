@@ -151,10 +151,11 @@ static void test_pyramid(void **state)
 static void test_transparent(void **state)
 {
     static const char *const names[] = { "transparent_fast", "transparent_nearest",
-                                         "transparent_peel", "transparent_peel_raster" };
-    for (int i = 0; i < 4; i++) {
+                                         "transparent_peel", "transparent_peel_raster",
+                                         "transparent_peel_mixed" };
+    for (int i = 0; i < 5; i++) {
         struct inputs in = plain_inputs();
-        fade_inputs(&in, i == 1 || i == 3);
+        fade_inputs(&in, i == 1 || i >= 3);
         cover_inputs(&in);
         in.params.transparency = (enum stp_transparency)(STP_TRANSPARENCY_FAST + (i < 3 ? i : 2));
         in.params.path = i == 3 ? STP_PATH_RASTER : STP_PATH_AUTO;

@@ -183,7 +183,7 @@ static void test_bounds(void **state)
     refuse_buffer(&b, STP_ERROR_FORMAT, "too many elements");
     drop(&b);
     put_text(&b, "ply\nformat ascii 1.0\ncomment ");
-    for (int i = 0; i < 600; i++)
+    for (int i = 0; i < 4300; i++)
         put_text(&b, "%02000d", 0);
     put_text(&b, "\nend_header\n");
     refuse_buffer(&b, STP_ERROR_FORMAT, "no end_header");
