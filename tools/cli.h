@@ -140,7 +140,8 @@ bool value_view(const struct option_spec *spec, const char *text, void *target);
 bool value_clip_box(const struct option_spec *spec, const char *text, void *target);
 bool value_volume_dims(const struct option_spec *spec, const char *text, void *target);
 bool value_volume_spacing(const struct option_spec *spec, const char *text, void *target);
-bool value_axis_h(const struct option_spec *spec, const char *text, void *target); /* double */
+bool value_or_none(const struct option_spec *spec, const char *text, void *target); /* double */
+bool value_axis_h(const struct option_spec *spec, const char *text, void *target);  /* double */
 bool value_background(const struct option_spec *spec, const char *text, void *target);
 bool value_frames(const struct option_spec *spec, const char *text, void *target);
 bool value_optics(const struct option_spec *spec, const char *text, void *target);    /* float[] */

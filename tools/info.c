@@ -153,7 +153,7 @@ static void print_shape(const struct stp_facts *facts)
 /* Aerial scans are often z up in formats that do not say so. */
 static bool lies_flat(const struct stp_facts *facts)
 {
-    if (facts->volume.dims[0])
+    if (facts->volume.dims[0] || facts->range.frames)
         return false;
     const double *b = facts->bounds;
     return facts->up == STP_UP_Y && b[5] - b[2] < 0.3 * fmin(b[3] - b[0], b[4] - b[1]);
@@ -209,6 +209,20 @@ static void print_volume(const struct stp_facts *facts)
            100.0 * (double)facts->splats / (double)facts->points);
 }
 
+static void print_range(const struct stp_facts *facts)
+{
+    const struct stp_range_facts *r = &facts->range;
+    row("frames");
+    printf("%u, of %zu pixels; %zu have no reading\n", r->frames, facts->points, r->holes);
+    print_shape(facts);
+    row("ellipsoids");
+    printf("%zu; the median deviation of a depth is %.4g\n", facts->splats, r->deviation_median);
+    row("seen by");
+    printf("%.3g frames each, on average\n", r->sources);
+    row("colours");
+    printf("%s\n", r->by_views ? "of all frames, by their angles" : "of their own frames");
+}
+
 static void print_text(const char *path, const struct stp_facts *facts,
                        const struct problems *problems, const struct intent *intent)
 {
@@ -217,6 +231,8 @@ static void print_text(const char *path, const struct stp_facts *facts,
     printf("%s\n", facts->format);
     if (facts->volume.dims[0]) {
         print_volume(facts);
+    } else if (facts->range.frames) {
+        print_range(facts);
     } else {
         print_points(facts);
         print_shape(facts);
@@ -299,6 +315,18 @@ static void add_volume(struct json_out *out, cJSON *json, const struct stp_volum
     json_text(out, volume, "transfer_function", v->transfer_function);
 }
 
+static void add_range(struct json_out *out, cJSON *json, const struct stp_range_facts *r)
+{
+    if (!r->frames)
+        return;
+    cJSON *range = json_object(out, json, "range");
+    json_number(out, range, "frames", r->frames);
+    json_number(out, range, "holes", (double)r->holes);
+    json_number(out, range, "deviation_median", r->deviation_median);
+    json_number(out, range, "sources", r->sources);
+    json_text(out, range, "colors", r->by_views ? "views" : "rgb");
+}
+
 /* One file's object of the list. */
 static void add_json(struct json_out *out, cJSON *list, const char *path,
                      const struct stp_facts *facts, const struct problems *problems,
@@ -310,6 +338,7 @@ static void add_json(struct json_out *out, cJSON *list, const char *path,
     add_counts(out, json, facts);
     add_shape(out, json, facts);
     add_volume(out, json, &facts->volume);
+    add_range(out, json, &facts->range);
     cJSON *wrong = json_array(out, json, "wrong");
     for (unsigned i = 0; i < problems->count; i++)
         json_text(out, wrong, NULL, problems->line[i]);

@@ -129,9 +129,10 @@ const struct option_spec option_table[] = {
     { NULL, POINTS, "clip-box", 0, "X0,Y0,Z0,X1,Y1,Z1",
       "leave out the points outside this box, in scene units (default: none)",
       value_clip_box, 0, "six numbers with commas between, the low corner first", 0, 0, NULL },
-    { NULL, POINTS, "color-by", 0, "rgb|normal|height|intensity|class|FIELD",
-      "what colours the points; FIELD is any scalar property of the file (default: rgb where the "
-      "file has colours, else the material's)",
+    { NULL, POINTS, "color-by", 0, "rgb|normal|height|intensity|class|views|FIELD",
+      "what colours the points; FIELD is any scalar property of the file; views: range images, from "
+      "all that see a point, by their angles (default: rgb where the file has colours, else the "
+      "material's)",
       value_text, AT(load.color_by), "rgb, normal, height, intensity, class or a property's name",
       0, 0, NULL },
     { NULL, POINTS, "opacity", 0, "A",
@@ -211,6 +212,14 @@ const struct option_spec option_table[] = {
     { NULL, VOLUMES, "unshaded", 0, NULL,
       "show a volume's colours as they are (default: lit, by the gradients of its values)",
       value_flag, AT(load.volume.unshaded), NULL, 0, 0, NULL },
+
+    { "Range images", VOLUMES, "range-splats", 0, "auto|ellipsoids|discs",
+      "what a pixel becomes: an ellipsoid, stretched by the uncertainty of its depth, or a plain disc "
+      "(default: auto, what the scene says, else ellipsoids)",
+      value_choice, AT(load.range.splats), NULL, 0, 0, NULL },
+    { NULL, VOLUMES, "uncertainty", 0, "X",
+      "times the deviation of every depth; 0: depths are exact (default: what the scene says, else 1)",
+      value_or_none, AT(load.range.uncertainty), "a number from 0", 0, 1e6, NULL },
 
     { "Picture", VIEW, "background", 0, "R,G,B[,A]|environment|none",
       "composited behind; linear light, alpha straight: it is multiplied in; or what --environment "

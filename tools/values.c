@@ -376,13 +376,20 @@ bool value_opacity(const struct option_spec *spec, const char *text, void *targe
     return true;
 }
 
+/* 0 is none; where it is not given, it is 0 too. */
+bool value_or_none(const struct option_spec *spec, const char *text, void *target)
+{
+    double value;
+    if (!value_real(spec, text, &value))
+        return false;
+    *(double *)target = value > 0 ? value : -1;
+    return true;
+}
+
 bool value_axis_h(const struct option_spec *spec, const char *text, void *target)
 {
     double h;
-    if (!value_real(spec, text, &h) || !(h < 1))
-        return false;
-    *(double *)target = h > 0 ? h : -1;
-    return true;
+    return value_real(spec, text, &h) && h < 1 && value_or_none(spec, text, target);
 }
 
 bool value_min_splat(const struct option_spec *spec, const char *text, void *target)

@@ -76,6 +76,7 @@ layout(constant_id = 32) const bool DEEP = false;         // layers are kept one
 layout(constant_id = 33) const uint PHONG = 0;            // 0 all are discs, 1 ellipses, 2 some clipped
 layout(constant_id = 34) const uint SHADE = 0;            // 0 pixels, 1 splats, 2 the nearest splat, flat
 layout(constant_id = 35) const bool LIGHT_CUBE = false;   // light is looked up over normals
+layout(constant_id = 36) const bool ELLIPSOIDS = false;  // axis: of range images
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

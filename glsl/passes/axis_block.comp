@@ -14,6 +14,7 @@
 #include "lib/pixel.glsl"
 #include "lib/axis.glsl"
 #include "lib/axis_output.glsl"
+#include "lib/ellipsoid.glsl"
 layout(local_size_x = STP_GROUP) in;
 
 const uint COLUMNS = STP_BLOCK, ROWS = STP_AXIS_ROWS;
@@ -27,17 +28,43 @@ struct Sums {
 };
 
 struct Splat {
-    vec4 place; // centre, log2 of tau
+    vec4 place; // centre, log2 of tau; of an ellipsoid tau
     vec3 color;
+    vec3 r, s; // of an ellipsoid, its factor
 };
 
 Splat fetch(uint entry, bool known)
 {
-    uint id = 2 * frame.order.v[entry];
-    Splat s = Splat(frame.projected.v[id], frame.projected.v[id + 1].xyz);
+    uint id = frame.order.v[entry];
+    if (ELLIPSOIDS) {
+        vec3 color;
+        Ellipsoid e = ellipsoid_load(id, color);
+        return Splat(vec4(e.centre, known ? e.tau : 0), color, e.r, e.s);
+    }
+    Splat s = Splat(frame.projected.v[2 * id], frame.projected.v[2 * id + 1].xyz, vec3(0), vec3(0));
     s.place.w = known ? s.place.w : NOTHING;
     return s;
 }
+
+float alpha_of(Splat s, Ray ray, out float depth)
+{
+    if (ELLIPSOIDS)
+        return ellipsoid_alpha(Ellipsoid(s.place.xyz, s.place.w, s.r, s.s, vec3(0)), ray.d, depth);
+    return axis_alpha(ray, s.place.xyz, s.place.w, depth);
+}
+
+#ifdef GROUPED
+Splat from_lane(Splat s, uint lane)
+{
+    s.place = subgroupBroadcast(s.place, lane);
+    s.color = subgroupBroadcast(s.color, lane);
+    if (ELLIPSOIDS) {
+        s.r = subgroupBroadcast(s.r, lane);
+        s.s = subgroupBroadcast(s.s, lane);
+    }
+    return s;
+}
+#endif
 
 bool anyone(bool still)
 {
@@ -61,13 +88,13 @@ void take(uint end, uint count, const Ray ray[STP_AXIS_ROWS], const float dark[S
 #endif
         [[unroll]] for (uint k = 0; k < TURN; k++) {
 #ifdef GROUPED
-            Splat s = Splat(subgroupBroadcast(mine.place, k), subgroupBroadcast(mine.color, k));
+            Splat s = from_lane(mine, k);
 #else
             Splat s = fetch(max(end, n + k + 1) - n - k - 1, n + k < count);
 #endif
             [[unroll]] for (uint i = 0; i < ROWS; i++) {
                 float depth;
-                float w = sums.color[i].w * axis_alpha(ray[i], s.place.xyz, s.place.w, depth);
+                float w = sums.color[i].w * alpha_of(s, ray[i], depth);
                 sums.color[i] += vec4(w * s.color, -w);
                 sums.depth[i] += w * depth;
             }

@@ -4,6 +4,8 @@
 #include "lib/common.glsl"
 #include "lib/pixel.glsl"
 #include "lib/shade.glsl"
+#include "lib/axis.glsl"
+#include "lib/ellipsoid.glsl"
 layout(local_size_x = STP_GROUP) in;
 
 vec3 decode_normal(uint encoded)
@@ -22,11 +24,29 @@ vec3 turn(vec3 v)
                 r[6] * v.x + r[7] * v.y + r[8] * v.z);
 }
 
+// Its colour is as the view sees it.
+void project_ellipsoid(uint i)
+{
+    uint at = STP_ELLIPSOID * i;
+    vec4 place = frame.splats.v[at], p = frame.splats.v[at + 2], q = frame.splats.v[at + 3];
+    Ellipsoid e;
+    e.centre = turn(place.xyz) + vec3(frame.translation[0], frame.translation[1],
+                                      frame.translation[2]);
+    e.tau = place.w;
+    ellipsoid_factor(turn(p.xyz), turn(vec3(p.w, q.xy)), turn(vec3(q.zw, frame.splats.v[at + 4].x)),
+                     e);
+    ellipsoid_store(i, e, frame.splats.v[at + 1].xyz);
+}
+
 void main()
 {
     uint i = workgroup_index() * STP_GROUP + gl_LocalInvocationIndex;
     if (i >= frame.axis.splats)
         return;
+    if (ELLIPSOIDS) {
+        project_ellipsoid(i);
+        return;
+    }
     vec4 place = frame.splats.v[2 * i], look = frame.splats.v[2 * i + 1];
     vec3 c = turn(place.xyz) + vec3(frame.translation[0], frame.translation[1],
                                     frame.translation[2]);

@@ -4,9 +4,12 @@
 // this only has to be wide enough.
 #include "lib/common.glsl"
 #include "lib/axis.glsl"
+#include "lib/ellipsoid.glsl"
 
 layout(location = 0) flat out vec4 vary_place; // centre, log2 of tau
 layout(location = 1) flat out vec3 vary_color;
+layout(location = 2) flat out vec3 vary_r; // ellipsoids: their factor
+layout(location = 3) flat out vec3 vary_s;
 
 const float WIDE = 2.02; // an equilateral triangle of inradius 1 reaches 2
 const float NEAR = 0.2;  // reach over least depth, up to which the outline is nearly an ellipse
@@ -17,15 +20,23 @@ vec4 to_clip(vec2 pixel)
     return vec4((pixel - vec2(frame.tile_x, frame.tile_y)) * 2 / size - 1, 0.5, 1);
 }
 
+// Of m^2 at the centre's ray: xx, xy, yy.
+vec3 form_at(Ellipsoid e)
+{
+    if (ELLIPSOIDS)
+        return ellipsoid_form(e);
+    vec2 focal = vec2(frame.focal[0], frame.focal[1]), middle = vec2(frame.center[0], frame.center[1]);
+    Ray r = axis_ray(middle + focal * e.centre.xy / (ORTHOGRAPHIC ? 1 : e.centre.z));
+    return -2 / LOG2_E * vec3(r.form.x, 0.5 * r.form.y, r.form.z); // it is of an exponent
+}
+
 // Around the ellipse of the centre's ray, wider by what perspective can bend it.
-vec2 around_ellipse(vec3 c, uint corner, float bend)
+vec2 around_ellipse(vec3 c, vec3 form, uint corner, float bend)
 {
     vec2 focal = vec2(frame.focal[0], frame.focal[1]), middle = vec2(frame.center[0], frame.center[1]);
     float z = ORTHOGRAPHIC ? 1 : c.z;
     vec2 at = middle + focal * c.xy / z;
-    Ray r = axis_ray(at);
-    float turn = -2 / LOG2_E; // the form is of an exponent
-    float xx = turn * r.form.x, xy = 0.5 * turn * r.form.y, yy = turn * r.form.z;
+    float xx = form.x, xy = form.y, yy = form.z;
     vec2 u = vec2(corner == 0 ? 1.0 : -0.5, corner == 0 ? 0 : corner == 1 ? 0.8660254 : -0.8660254);
     u *= WIDE * sqrt(frame.axis.reach2) * (1 + 2 * bend) / z;
     float l11 = sqrt(xx), l21 = xy / l11, l22 = sqrt(max(yy - l21 * l21, 1e-6 * yy));
@@ -36,9 +47,8 @@ vec2 around_ellipse(vec3 c, uint corner, float bend)
 }
 
 // Around the rectangle of what the kernel's box can cover, kept near the tile.
-vec2 around_box(vec3 c, uint corner)
+vec2 around_box(vec3 c, vec3 h, uint corner)
 {
-    vec3 h = vec3(frame.axis.extent[0], frame.axis.extent[1], frame.axis.extent[2]);
     vec2 low = c.xy - h.xy, high = c.xy + h.xy;
     float near = max(c.z - h.z, frame.near_depth), far = max(c.z + h.z, near);
     if (!ORTHOGRAPHIC) {
@@ -55,12 +65,24 @@ vec2 around_box(vec3 c, uint corner)
 void main()
 {
     uint id = frame.order.v[push_first + gl_VertexIndex / 3], corner = gl_VertexIndex % 3;
-    vec4 place = frame.projected.v[2 * id];
-    vec3 h = vec3(frame.axis.extent[0], frame.axis.extent[1], frame.axis.extent[2]);
-    float least = place.z - h.z, bend = max(h.x, max(h.y, h.z)) / max(least, 1e-30);
+    Ellipsoid e;
+    if (ELLIPSOIDS) {
+        e = ellipsoid_load(id, vary_color);
+    } else {
+        vec4 place = frame.projected.v[2 * id];
+        e.centre = place.xyz;
+        e.tau = place.w;
+        e.extent = vec3(frame.axis.extent[0], frame.axis.extent[1], frame.axis.extent[2]);
+        e.r = e.s = vec3(0);
+        vary_color = frame.projected.v[2 * id + 1].xyz;
+    }
+    vec3 h = e.extent;
+    float least = e.centre.z - h.z, bend = max(h.x, max(h.y, h.z)) / max(least, 1e-30);
     bool simple = ORTHOGRAPHIC || (least > frame.near_depth && bend < NEAR);
-    gl_Position = to_clip(simple ? around_ellipse(place.xyz, corner, ORTHOGRAPHIC ? 0 : bend)
-                                 : around_box(place.xyz, corner));
-    vary_place = place;
-    vary_color = frame.projected.v[2 * id + 1].xyz;
+    gl_Position =
+        to_clip(simple ? around_ellipse(e.centre, form_at(e), corner, ORTHOGRAPHIC ? 0 : bend)
+                       : around_box(e.centre, h, corner));
+    vary_place = vec4(e.centre, e.tau);
+    vary_r = e.r;
+    vary_s = e.s;
 }

@@ -67,6 +67,8 @@
 #define STP_AXIS_ROWS          4       /* pixels of a block's column: blocks are 8 x 4 */
 #define STP_AXIS_MERGE_BLEND   0
 #define STP_AXIS_MERGE_CLIP    1
+#define STP_ELLIPSOID          5 /* vectors of one: centre, tau; colour; then its axes */
+#define STP_ELLIPSOID_DRAWN    4 /* in the camera frame: centre, tau; colour; then its factor */
 #define STP_BINDING_AXIS_COLOR 10
 #define STP_BINDING_AXIS_DEPTH 11
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */

@@ -3,6 +3,7 @@
 #define STIPPLE_SCENE_H
 
 #include <stipple/environment.h>
+#include <stipple/range.h>
 #include <stipple/volume.h>
 
 #ifdef __cplusplus
@@ -76,7 +77,8 @@ struct stp_load_params {
     enum stp_up up;             /* what is up; AUTO asks the file's format */
     enum stp_transfer transfer; /* AUTO: integer colours are sRGB, float colours linear */
     const char *color_by;       /* NULL or "rgb", "normal", "height", "intensity", "class",
-                                   or the name of a scalar property */
+                                   or the name of a scalar property; of range images also
+                                   "views" */
     const struct stp_material *material;
     double epsilon;
     float
@@ -90,10 +92,12 @@ struct stp_load_params {
     size_t stream_above;
     size_t stream_chunk;             /* points that are then held at once; 0: 8388608 */
     struct stp_volume_params volume; /* of a volume */
+    struct stp_range_params range;   /* of range images */
 };
 
 /* Reads a point file (PLY, LAS, PCD, text, OFF, OBJ), a volume (NIfTI, NRRD, MetaImage, INRIMAGE,
- * raw; docs/volumes.md), gzip of any, or a scene .json (docs/scene.md).
+ * raw; docs/volumes.md), gzip of any, a scene .json (docs/scene.md), or a folder of range images
+ * (docs/range.md).
  * The format is found from the content, not from the name. */
 STP_API enum stp_result stp_scene_load(const struct stp_env *env, const char *path,
                                        const struct stp_load_params *params,
@@ -231,6 +235,7 @@ struct stp_facts {
     struct stp_grouping grouping;
     struct stp_cover cover;
     struct stp_volume_facts volume;
+    struct stp_range_facts range;
     char format[32]; /* of the (first) file, "" when made in memory */
 };
 

@@ -15,6 +15,7 @@
 #include <stipple/result.h>
 #include <stipple/environment.h>
 #include <stipple/scene.h>
+#include <stipple/range.h>
 #include <stipple/fit.h>
 #include <stipple/volume.h>
 #include <stipple/view.h>

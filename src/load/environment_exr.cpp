@@ -1,16 +1,15 @@
 // OpenEXR maps through its C++ library; nothing of it leaves this file, exceptions least of all.
 #include "load/environment.h"
+#include "load/exr_bytes.hpp"
 
 #include <cstring>
 #include <exception>
 #include <new>
-#include <stdexcept>
 #include <string>
 
 #include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
-#include <ImfIO.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
@@ -22,37 +21,6 @@ extern "C" {
 
 namespace
 {
-
-class Bytes : public Imf::IStream
-{
-  public:
-    Bytes(const char *path, const file_bytes *bytes)
-        : IStream(path), data(bytes->data), size(bytes->size), at(0)
-    {
-    }
-    bool read(char out[], int count) override
-    {
-        if (count < 0 || static_cast<uint64_t>(count) > size - at)
-            throw std::runtime_error("it ends too early");
-        std::memcpy(out, data + at, static_cast<size_t>(count));
-        at += static_cast<uint64_t>(count);
-        return at < size;
-    }
-    uint64_t tellg() override
-    {
-        return at;
-    }
-    void seekg(uint64_t to) override
-    {
-        if (to > size)
-            throw std::runtime_error("it points beyond its end");
-        at = to;
-    }
-
-  private:
-    const unsigned char *data;
-    uint64_t size, at;
-};
 
 const char *refusal(const Imf::Header &header)
 {
@@ -111,7 +79,7 @@ void read_pixels(Imf::MultiPartInputFile &file, struct environment_map *map)
 enum stp_result read_file(const struct stp_env *env, const char *path,
                           const struct file_bytes *bytes, struct environment_map *map)
 {
-    Bytes stream(path, bytes);
+    ExrBytes stream(path, bytes);
     Imf::MultiPartInputFile file(stream, 0, false);
     const Imf::Header &header = file.header(0);
     const char *refused = refusal(header);

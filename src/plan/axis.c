@@ -8,6 +8,7 @@
 
 #include "base/log.h"
 #include "base/vec.h"
+#include "prepare/axis_region.h"
 #include "scene/scene.h"
 #include "scene/volume.h"
 
@@ -17,7 +18,7 @@ _Static_assert(AXIS_BLOCK_WIDTH == STP_BLOCK && AXIS_BLOCK_HEIGHT == STP_AXIS_RO
                    MOST_PASSES + 2 <= PLAN_MAX_PASSES,
                "blocks");
 
-/* Of a kernel, in the frame of the shaders: x right, y down, z forward. */
+/* Of a grid's kernels, in the frame of the shaders: x right, y down, z forward. */
 static void set_shape(struct stp_plan *plan, const struct volume *volume)
 {
     struct stp_axis_gpu *axis = &plan->frame.axis;
@@ -34,15 +35,30 @@ static void set_shape(struct stp_plan *plan, const struct volume *volume)
     for (int i = 0; i < 3; i++)
         axis->extent[i] = (float)(KERNEL_REACH * sqrt(half[i]));
     axis->scale = (float)(kernel_amplitude() * sqrt(2 * M_PI));
-    axis->reach2 = (float)(KERNEL_REACH * KERNEL_REACH);
-    axis->least_exponent = (float)(-0.5 * KERNEL_REACH * KERNEL_REACH / M_LN2);
-    axis->least_alpha = (float)LEAST_ALPHA;
+}
+
+/* Does near or far cut an ellipsoid that is drawn? Its tails beyond the reach count too, as below.
+ */
+static bool is_any_cut(const struct stp_plan *plan, const struct stp_scene *scene)
+{
+    struct axis_view view = axis_view(scene, &plan->camera);
+    for (size_t i = 0; i < plan->axis.count; i++) {
+        struct axis_kernel kernel;
+        axis_kernel(&view, plan->axis.order[i], &kernel);
+        double depth = -m4_point(plan->camera.world_to_camera, v3_load(kernel.centre)).z;
+        double half = 1.5 * kernel.own.half[2];
+        if (depth - half < plan->camera.near_depth || depth + half > plan->camera.far_depth)
+            return true;
+    }
+    return false;
 }
 
 /* Does near or far cut any kernel? Else shaders have no code for it. */
 static bool is_cut(const struct stp_plan *plan, const struct stp_scene *scene)
 {
     const double *b = scene->core;
+    if (volume_is_range(scene->volume))
+        return is_any_cut(plan, scene);
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i < 8; i++) {
         struct vec3 corner = v3(b[i & 1 ? 3 : 0], b[i & 2 ? 4 : 1], b[i & 4 ? 5 : 2]);
@@ -92,7 +108,12 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
     if (result != STP_OK)
         return result;
     struct stp_axis_gpu *axis = &plan->frame.axis;
-    set_shape(plan, scene->volume);
+    bool ellipsoids = volume_is_range(scene->volume);
+    if (!ellipsoids)
+        set_shape(plan, scene->volume);
+    axis->reach2 = (float)(KERNEL_REACH * KERNEL_REACH);
+    axis->least_exponent = (float)(-0.5 * KERNEL_REACH * KERNEL_REACH / M_LN2);
+    axis->least_alpha = (float)LEAST_ALPHA;
     axis->h = (float)h;
     axis->merge = (uint32_t)(STP_AXIS_MERGE_BLEND + plan->params.axis_merge - STP_AXIS_BLEND);
     for (unsigned i = 0; i < plan->axis.walk_count; i++)
@@ -100,6 +121,7 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
     plan->constant[PLAN_AXIS_WALKS] = plan->axis.walk_count;
     plan->constant[PLAN_AXIS_CUT] = is_cut(plan, scene);
     plan->constant[PLAN_UNLIT] = scene->volume->unshaded;
+    plan->constant[PLAN_ELLIPSOIDS] = ellipsoids;
     return plan->path == STP_PATH_COMPUTE && plan->axis.count ? prepare_blocks(env, plan) : STP_OK;
 }
 
@@ -159,7 +181,8 @@ static void block_walk(struct stp_plan *plan, unsigned index)
 static void project(struct stp_plan *plan)
 {
     uint64_t kernels = plan->facts.splats;
-    plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT, kernels * 32);
+    plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT,
+                  kernels * (plan->constant[PLAN_ELLIPSOIDS] ? STP_ELLIPSOID_DRAWN : 2) * 16);
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "project");
     pass->shader = PLAN_SHADER_AXIS_PROJECT;
     pass->groups = (uint32_t)((kernels + STP_GROUP - 1) / STP_GROUP);
@@ -215,10 +238,14 @@ void plan_axis_resources(struct stp_plan *plan)
 {
     const struct axis_blocks *blocks = &plan->axis_blocks;
     size_t lists = plan->axis.walk_count * (size_t)blocks->across * blocks->down;
-    plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE, sizeof(struct stp_material_gpu));
+    bool ellipsoids = plan->constant[PLAN_ELLIPSOIDS];
+    if (!ellipsoids) /* which show their colours as they are */
+        plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
+                      sizeof(struct stp_material_gpu));
     if (!plan->axis.count)
         return;
-    plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE, plan->facts.splats * 32);
+    plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE,
+                  plan->facts.splats * (ellipsoids ? STP_ELLIPSOID : 2) * 16);
     if (plan->path == STP_PATH_COMPUTE)
         plan_resource(plan, "block starts", PLAN_COUNTS, PLAN_SCENE, (lists + 1) * 4);
     plan_resource(plan, plan->path == STP_PATH_COMPUTE ? "block splats" : "lists", PLAN_ORDER,

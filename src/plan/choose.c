@@ -9,6 +9,11 @@
 #define MOST_SHARED      0x7f000000u /* keys hold 31 bits of id */
 #define MOST_SLABS       262142      /* keys with ids hold 18 bits of slab */
 
+bool plan_of_medium(const struct stp_facts *facts)
+{
+    return facts->volume.dims[0] || facts->range.frames;
+}
+
 static enum stp_method resolve_method(const struct stp_facts *facts,
                                       const struct stp_render_params *params,
                                       const struct stp_limits *limits)
@@ -20,13 +25,13 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
         return params->method;
     if (params->shade != STP_SHADE_PIXEL)
         return STP_METHOD_TWO_PASS;
-    return facts->volume.dims[0] ? STP_METHOD_AXIS : STP_METHOD_EXACT;
+    return plan_of_medium(facts) ? STP_METHOD_AXIS : STP_METHOD_EXACT;
 }
 
 bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
                            const struct stp_limits *limits)
 {
-    return !facts->volume.dims[0] && !facts->transparent &&
+    return !plan_of_medium(facts) && !facts->transparent &&
            resolve_method(facts, params, limits) == STP_METHOD_DEFERRED;
 }
 
@@ -154,15 +159,17 @@ static void explain_axis(struct stp_plan *plan, const char *asked)
         [STP_AXIS_SINGLE] = "one list, along the axis nearest to the view's",
         [STP_AXIS_SORT] = "one list, sorted by distance from the eye",
     };
-    bool chosen =
-        plan->params.method == STP_METHOD_AUTO && plan->params.axis_merge == STP_AXIS_SORT;
+    const char *measured =
+        plan->params.method != STP_METHOD_AUTO || plan->params.axis_merge != STP_AXIS_SORT ? ""
+        : plan->facts.range.frames
+            ? "; measured, that is as near to the exact order as axis lists from where a frame was "
+              "taken, 7 dB nearer from aside, and one list for up to three"
+            : "; measured, that is 8 dB and more nearer to the exact order than axis lists, and "
+              "takes less time than blending three of them";
     snprintf(plan->why, sizeof plan->why, "axis is %s: %s, in strict order by %s%s.", asked,
              orders[plan->params.axis_merge],
              plan->path == STP_PATH_RASTER ? "the rasteriser" : "blocks of pixels in compute",
-             chosen
-                 ? "; measured, that is 8 dB and more nearer to the exact order than axis lists, "
-                   "and takes less time than blending three of them"
-                 : "");
+             measured);
 }
 
 static void explain_exact(struct stp_plan *plan, const char *asked)
@@ -287,11 +294,14 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         explain(plan);
         return STP_OK;
     }
-    bool volume = plan->facts.volume.dims[0] > 0;
+    bool volume = plan_of_medium(&plan->facts);
     if (volume != (plan->method == STP_METHOD_AXIS))
         return log_error(env, STP_ERROR_ARGUMENT,
-                         volume ? "method %s draws surfaces; a volume takes axis or reference"
-                                : "method %s draws volumes; points take exact or another",
+                         !volume ? "method %s draws volumes; points take exact or another"
+                         : plan->facts.range.frames
+                             ? "method %s draws discs; range images take axis or reference, or "
+                               "--range-splats discs"
+                             : "method %s draws surfaces; a volume takes axis or reference",
                          stp_method_name(plan->method));
     bool cover = plan_covers(plan);
     if (!cover && plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)

@@ -6,8 +6,8 @@
 
 static const char *why_not(const struct stp_plan *plan)
 {
-    if (plan->facts.volume.dims[0])
-        return "a volume";
+    if (plan_of_medium(&plan->facts))
+        return "volumes and range images";
     if (plan->method == STP_METHOD_PYRAMID)
         return "method pyramid";
     if (plan->facts.eye_dome)

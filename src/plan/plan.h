@@ -53,6 +53,7 @@ enum plan_constant {
     PLAN_PHONG,      /* 0: all are discs; 1: ellipses; 2: some have clip lines */
     PLAN_SHADE,      /* enum stp_shade */
     PLAN_LIGHT_CUBE,
+    PLAN_ELLIPSOIDS, /* axis: every kernel has its own shape, and together they are a surface */
     PLAN_CONSTANTS
 };
 
@@ -381,6 +382,8 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
 
 /* plan/choose.c: method, path, payload, voronoi and why. */
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan);
+/* A volume, or ellipsoids of range images: kernels that need an order, and have no surface. */
+bool plan_of_medium(const struct stp_facts *facts);
 
 /* plan/transparency.c: AUTO where nothing is transparent; the method whose passes composite such
  * layers; checks what was asked for; why. */

@@ -44,6 +44,41 @@ double axis_weight(const struct axis_lists *lists, const struct axis_walk *walk,
     return own > lists->h ? (own - lists->h) / (1 - lists->h) : 0;
 }
 
+/* Bits of a double that order as the numbers do. */
+static uint64_t ascending_key(double value)
+{
+    uint64_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    return bits >> 63 ? ~bits : bits | (uint64_t)1 << 63;
+}
+
+/* Ellipsoids lie anywhere: sorted along the axis, once for all views. */
+static enum stp_result sort_ellipsoids(const struct stp_env *env, const struct kernels *k,
+                                       unsigned axis, struct axis_sheets *sheets)
+{
+    uint32_t *first = mem_zalloc(2, sizeof *first);
+    uint32_t *kernel = mem_alloc(k->count, sizeof *kernel);
+    uint64_t *key = mem_alloc(k->count, sizeof *key);
+    enum stp_result result = STP_OK;
+    if (!first || !kernel || !key)
+        result = log_no_memory(env, k->count * 12, "the order along an axis");
+    for (size_t i = 0; result == STP_OK && i < k->count; i++) {
+        key[i] = ascending_key(k->place[i][axis]);
+        kernel[i] = (uint32_t)i;
+    }
+    if (result == STP_OK)
+        result = radix_sort(env, k->count, key, kernel);
+    mem_free(key);
+    if (result != STP_OK) {
+        mem_free(first);
+        mem_free(kernel);
+        return result;
+    }
+    first[1] = (uint32_t)k->count;
+    *sheets = (struct axis_sheets){ first, kernel };
+    return STP_OK;
+}
+
 /* A counting sort, but across z, where kernels are in the order of their sheets already. */
 static enum stp_result make_sheets(const struct stp_env *env, const struct volume *volume,
                                    unsigned axis, struct axis_sheets *sheets)
@@ -52,6 +87,8 @@ static enum stp_result make_sheets(const struct stp_env *env, const struct volum
     uint32_t at[3], sum = 0, count = volume->grid.dims[axis];
     if (sheets->first)
         return STP_OK;
+    if (volume_is_range(volume))
+        return sort_ellipsoids(env, k, axis, sheets);
     uint32_t *first = mem_zalloc((size_t)count + 1, sizeof *first);
     uint32_t *kernel = axis < 2 ? mem_alloc(k->count, sizeof *kernel) : NULL;
     if (!first || (axis < 2 && !kernel)) {
@@ -85,6 +122,20 @@ struct filling {
     const struct axis_lists *lists;
 };
 
+/* The same of ellipsoids; of equal ones the order is that of every view. */
+static void fill_ellipsoids(const struct filling *f, const struct axis_walk *walk)
+{
+    const struct axis_lists *lists = f->lists;
+    const uint32_t *kernel = lists->sheets[walk->axis].kernel;
+    size_t count = f->volume->kernels.count;
+    uint32_t *out = lists->order + walk->first;
+    for (size_t n = 0; n < count; n++) {
+        uint32_t k = kernel[walk->backwards ? n : count - 1 - n];
+        if (lists->mask[k] >> axis_walk_bit(walk) & 1)
+            *out++ = k;
+    }
+}
+
 /* Far to near along the axis; within a sheet from the last kernel to the first, since of equal ones
  * the first is the nearer. */
 static void fill_walk(const struct filling *f, const struct axis_walk *walk)
@@ -107,16 +158,10 @@ static void fill_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct filling *f = context;
     for (size_t w = begin; w < end; w++)
-        fill_walk(f, &f->lists->walk[w]);
-}
-
-/* Bits of a double that order as the numbers do, from the greatest to the least. */
-static uint64_t descending_key(double value)
-{
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    bits = bits >> 63 ? ~bits : bits | (uint64_t)1 << 63;
-    return ~bits;
+        if (volume_is_range(f->volume))
+            fill_ellipsoids(f, &f->lists->walk[w]);
+        else
+            fill_walk(f, &f->lists->walk[w]);
 }
 
 struct keying {
@@ -131,9 +176,9 @@ static void key_range(void *context, size_t begin, size_t end, unsigned worker)
     const struct stp_camera *camera = k->view.camera;
     for (size_t i = begin; i < end; i++) {
         double world[3];
-        axis_centre(&k->view, k->view.volume->kernels.voxel[k->order[i]], world);
+        axis_centre(&k->view, k->order[i], world);
         struct vec3 c = m4_point(camera->world_to_camera, v3_load(world));
-        k->key[i] = descending_key(camera->orthographic ? -c.z : v3_dot(c, c));
+        k->key[i] = ~ascending_key(camera->orthographic ? -c.z : v3_dot(c, c));
     }
 }
 

@@ -21,7 +21,8 @@ struct axis_walk {
     uint32_t first, count; /* of axis_lists.order */
 };
 
-/* Kernels by their sheets across an axis: the same for every view, made when one first asks. */
+/* Kernels by their sheets across an axis: the same for every view, made when one first asks.
+ * Ellipsoids are one sheet, ascending along the axis. */
 struct axis_sheets {
     uint32_t *first;  /* of each sheet, and the end; NULL: nobody has asked yet */
     uint32_t *kernel; /* ascending within a sheet; NULL: the kernels' own order, as across z */

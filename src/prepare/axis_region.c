@@ -81,31 +81,82 @@ static struct axis_rays axis_starts(const struct stp_camera *camera)
     return starts;
 }
 
+static void shape_of_grid(struct axis_view *view)
+{
+    const double *m = view->camera->world_to_camera;
+    const double *spacing = view->volume->grid.spacing;
+    for (int row = 0; row < 3; row++) {
+        double sum = 0;
+        for (int a = 0; a < 3; a++) {
+            double s = KERNEL_SIGMA * spacing[a];
+            sum += m[4 * row + a] * m[4 * row + a] * s * s;
+        }
+        view->half[row] = KERNEL_REACH * sqrt(sum);
+        view->white[row][row] = 1 / (KERNEL_SIGMA * spacing[row]);
+    }
+    view->amplitude = kernel_amplitude();
+}
+
 struct axis_view axis_view(const struct stp_scene *scene, const struct stp_camera *camera)
 {
     struct axis_view view = { .camera = camera,
                               .volume = scene->volume,
                               .rays = axis_rays(camera),
                               .starts = axis_starts(camera) };
-    const double *m = camera->world_to_camera;
-    for (int row = 0; row < 3; row++) {
-        double sum = 0;
-        for (int a = 0; a < 3; a++) {
-            double s = KERNEL_SIGMA * scene->volume->grid.spacing[a];
-            sum += m[4 * row + a] * m[4 * row + a] * s * s;
-        }
-        view.half[row] = KERNEL_REACH * sqrt(sum);
-    }
+    view.is_ellipsoid = volume_is_range(scene->volume);
+    if (view.is_ellipsoid)
+        view.look = range_view_of(camera);
+    else
+        shape_of_grid(&view);
     return view;
 }
 
-void axis_centre(const struct axis_view *view, uint32_t voxel, double world[3])
+/* The axes in the camera frame, and, by cross products, the inverse of the matrix they make. */
+static void shape_of_ellipsoid(struct axis_view *view, const float axes[3][3])
+{
+    const double *m = view->camera->world_to_camera;
+    struct vec3 axis[3] = { v3_loadf(axes[0]), v3_loadf(axes[1]), v3_loadf(axes[2]) };
+    double volume = v3_dot(axis[0], v3_cross(axis[1], axis[2]));
+    for (int n = 0; n < 3; n++) {
+        struct vec3 w = v3_scale(v3_cross(axis[(n + 1) % 3], axis[(n + 2) % 3]), 1 / volume);
+        view->white[n][0] = w.x;
+        view->white[n][1] = w.y;
+        view->white[n][2] = w.z;
+        for (int row = 0; row < 3; row++)
+            view->reach[row][n] = KERNEL_REACH * v3_dot(v3_load(m + 4 * row), axis[n]);
+    }
+    for (int row = 0; row < 3; row++)
+        view->half[row] = v3_length(v3_load(view->reach[row]));
+    view->amplitude = 1;
+}
+
+void axis_centre(const struct axis_view *view, uint32_t index, double world[3])
 {
     const struct grid *grid = &view->volume->grid;
-    uint32_t index[3];
-    voxel_place(grid, voxel, index);
+    const struct kernels *k = &view->volume->kernels;
+    uint32_t at[3];
+    if (!view->is_ellipsoid)
+        voxel_place(grid, k->voxel[index], at);
     for (int a = 0; a < 3; a++)
-        world[a] = grid->origin[a] + index[a] * grid->spacing[a];
+        world[a] =
+            view->is_ellipsoid ? k->place[index][a] : grid->origin[a] + at[a] * grid->spacing[a];
+}
+
+void axis_kernel(const struct axis_view *view, uint32_t index, struct axis_kernel *kernel)
+{
+    axis_centre(view, index, kernel->centre);
+    kernel->view = view;
+    if (!view->is_ellipsoid)
+        return;
+    kernel->own = *view;
+    kernel->view = &kernel->own;
+    shape_of_ellipsoid(&kernel->own, view->volume->kernels.axes[index]);
+}
+
+double axis_tau(const struct axis_view *view, uint32_t index)
+{
+    return view->is_ellipsoid ? range_tau(view->volume, &view->look, index)
+                              : (double)view->volume->kernels.tau[index];
 }
 
 /* Pixels of [0, size) whose centres lie in centre + focal * [low, high] / [near, far]. */
@@ -123,6 +174,31 @@ static bool span(double low, double high, const double depth[2], double focal, d
     return true;
 }
 
+/* Where x / z lies on an ellipsoid in front of the eye: the tangents from the eye, from the dual
+ * conic in the frame sheared so that the centre is on its axis, which keeps the digits of a far
+ * one. */
+static void tangents(const double reach[3][3], int row, double sign, double place, double depth,
+                     double bounds[2])
+{
+    struct vec3 z = v3_scale(v3_load(reach[2]), -1);
+    struct vec3 x = v3_sub(v3_scale(v3_load(reach[row]), sign), v3_scale(z, place));
+    double zz = depth * depth - v3_dot(z, z), xz = -v3_dot(x, z), xx = -v3_dot(x, x);
+    double root = sqrt(fmax(xz * xz - xx * zz, 0));
+    bounds[0] = place + (xz - root) / zz;
+    bounds[1] = place + (xz + root) / zz;
+}
+
+static bool ellipsoid_pixels(const struct axis_view *view, struct vec3 c, struct axis_rectangle *r)
+{
+    const struct stp_camera *camera = view->camera;
+    const double one[2] = { 1, 1 };
+    double x[2], y[2];
+    tangents(view->reach, 0, 1, c.x / -c.z, -c.z, x);
+    tangents(view->reach, 1, -1, -c.y / -c.z, -c.z, y);
+    return span(x[0], x[1], one, camera->fx, camera->cx, camera->width, &r->x0, &r->x1) &&
+           span(y[0], y[1], one, camera->fy, camera->cy, camera->height, &r->y0, &r->y1);
+}
+
 bool axis_pixels(const struct axis_view *view, const double centre[3], struct axis_rectangle *r)
 {
     const struct stp_camera *camera = view->camera;
@@ -132,10 +208,18 @@ bool axis_pixels(const struct axis_view *view, const double centre[3], struct ax
                         fmin(-c.z + h[2], camera->far_depth) };
     if (!(depth[0] <= depth[1]))
         return false;
+    if (view->is_ellipsoid && !camera->orthographic && -c.z - h[2] > camera->near_depth)
+        return ellipsoid_pixels(view, c, r);
     const double *d = camera->orthographic ? one : depth;
     return span(c.x - h[0], c.x + h[0], d, camera->fx, camera->cx, camera->width, &r->x0, &r->x1) &&
            span(-c.y - h[1], -c.y + h[1], d, camera->fy, camera->cy, camera->height, &r->y0,
                 &r->y1);
+}
+
+static struct vec3 whitened(const struct axis_view *view, struct vec3 v)
+{
+    return v3(v3_dot(v3_load(view->white[0]), v), v3_dot(v3_load(view->white[1]), v),
+              v3_dot(v3_load(view->white[2]), v));
 }
 
 /* A ray in the space where the kernel is the unit Gaussian. */
@@ -148,12 +232,8 @@ struct approach {
 static struct approach approach(const struct axis_view *view, const double centre[3], struct vec3 v,
                                 double px, double py)
 {
-    const double *spacing = view->volume->grid.spacing;
     struct vec3 s = axis_ray(&view->starts, px, py);
-    double sx = 1 / (KERNEL_SIGMA * spacing[0]), sy = 1 / (KERNEL_SIGMA * spacing[1]),
-           sz = 1 / (KERNEL_SIGMA * spacing[2]);
-    struct vec3 u = v3(v.x * sx, v.y * sy, v.z * sz);
-    struct vec3 e = v3((s.x - centre[0]) * sx, (s.y - centre[1]) * sy, (s.z - centre[2]) * sz);
+    struct vec3 u = whitened(view, v), e = whitened(view, v3_sub(s, v3_load(centre)));
     double a = v3_dot(u, u), peak = -v3_dot(e, u) / a;
     struct vec3 d = v3_add(e, v3_scale(u, peak));
     return (struct approach){ a, peak, v3_dot(d, d) };
@@ -182,6 +262,6 @@ bool axis_hits(const struct axis_view *view, const double centre[3], double tau,
     double share = 0.5 * (erfc((camera->near_depth - n.peak) * root) -
                           erfc((camera->far_depth - n.peak) * root));
     double integral =
-        kernel_amplitude() * v3_length(v) * sqrt(2 * M_PI / n.a) * exp(-0.5 * n.m2) * share;
+        view->amplitude * v3_length(v) * sqrt(2 * M_PI / n.a) * exp(-0.5 * n.m2) * share;
     return -expm1(-tau * integral) >= LEAST_ALPHA;
 }

@@ -5,6 +5,7 @@
 
 #include "base/vec.h"
 #include "prepare/axis_lists.h"
+#include "prepare/range.h"
 
 /* f(px, py) = x px + y py + c */
 struct axis_line {
@@ -35,15 +36,29 @@ struct axis_region axis_region(const struct axis_rays *rays, const struct axis_l
 bool axis_region_reaches(const struct axis_region *region, const struct axis_rectangle *rectangle);
 bool axis_region_holds(const struct axis_region *region, double px, double py);
 
-/* What sees the kernels: the eye in the world, and a box that holds any of them. */
+/* What sees the kernels: the eye in the world, and their shape. */
 struct axis_view {
     const struct stp_camera *camera;
     const struct volume *volume;
     struct axis_rays rays, starts; /* starts: of the rays, orthographic too */
     double half[3];                /* of the box around a kernel's reach, camera frame */
+    double white[3][3];            /* world to where the kernel is the unit Gaussian, rows */
+    double amplitude;
+    bool is_ellipsoid;
+    double reach[3][3]; /* ellipsoid: its axes' components in the camera frame, times the reach */
+    struct range_view look; /* ellipsoids: weighs them */
 };
 struct axis_view axis_view(const struct stp_scene *scene, const struct stp_camera *camera);
-void axis_centre(const struct axis_view *view, uint32_t voxel, double world[3]);
+
+/* A kernel of any shape: `view` is the caller's, or of an ellipsoid its own. */
+struct axis_kernel {
+    const struct axis_view *view;
+    double centre[3]; /* world */
+    struct axis_view own;
+};
+void axis_kernel(const struct axis_view *view, uint32_t index, struct axis_kernel *kernel);
+void axis_centre(const struct axis_view *view, uint32_t index, double world[3]);
+double axis_tau(const struct axis_view *view, uint32_t index);
 /* Pixels of the picture whose centres lie within the kernel's box; false: none. */
 bool axis_pixels(const struct axis_view *view, const double centre[3],
                  struct axis_rectangle *rectangle);

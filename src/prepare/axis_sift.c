@@ -20,7 +20,7 @@ struct sifting {
     unsigned walks;    /* with a weight somewhere in the picture */
     bool everywhere;   /* one list, whatever the rays */
     uint8_t *whole;    /* of each block: the walks with a weight on all of it */
-    double least_peak; /* of a kernel of tau 1: no more than its greatest optical depth */
+    double least_peak; /* of a voxel of tau 1: no more than its greatest optical depth */
 };
 
 /* A region is convex: it holds a block when it holds its corners. */
@@ -54,7 +54,7 @@ static void open_range(void *context, size_t begin, size_t end, unsigned worker)
 
 /* Has the kernel a fragment in the region? */
 static bool draws(const struct sifting *s, unsigned w, const struct axis_rectangle *r,
-                  const double centre[3], double tau)
+                  const struct axis_kernel *kernel, double tau)
 {
     if (!s->everywhere && !axis_region_reaches(&s->region[w], r))
         return false;
@@ -62,7 +62,7 @@ static bool draws(const struct sifting *s, unsigned w, const struct axis_rectang
         for (int64_t px = r->x0; px <= r->x1; px++) {
             double x = (double)px + 0.5, y = (double)py + 0.5;
             if ((s->everywhere || axis_region_holds(&s->region[w], x, y)) &&
-                axis_hits(&s->view, centre, tau, x, y))
+                axis_hits(kernel->view, kernel->centre, tau, x, y))
                 return true;
         }
     return false;
@@ -84,32 +84,32 @@ static void find_blocks(const struct sifting *s, const struct axis_rectangle *r,
 /* A fragment on the middle pixel, as most have, answers for every walk that has all the blocks; the
  * rest is asked pixel by pixel. */
 static unsigned walks_of(const struct sifting *s, const struct axis_rectangle *r,
-                         const double centre[3], double tau)
+                         const struct axis_kernel *kernel, double tau)
 {
     double x = (double)((r->x0 + r->x1) / 2) + 0.5, y = (double)((r->y0 + r->y1) / 2) + 0.5;
     unsigned open, whole, drawn = 0;
     find_blocks(s, r, &open, &whole);
-    if (open && (axis_nearly_meets(&s->view, centre, tau * s->least_peak, x, y) ||
-                 axis_hits(&s->view, centre, tau, x, y)))
+    bool near = open && !s->view.is_ellipsoid &&
+                axis_nearly_meets(&s->view, kernel->centre, tau * s->least_peak, x, y);
+    if (near || (open && axis_hits(kernel->view, kernel->centre, tau, x, y)))
         drawn = whole;
     for (unsigned w = 0, rest = open & ~drawn; rest >> w; w++)
         if (rest >> w & 1)
-            drawn |= (unsigned)draws(s, w, r, centre, tau) << w;
+            drawn |= (unsigned)draws(s, w, r, kernel, tau) << w;
     return drawn;
 }
 
 static void sift_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct sifting *s = context;
-    const struct kernels *k = &s->view.volume->kernels;
     for (size_t i = begin; i < end; i++) {
         struct axis_rectangle r;
-        double centre[3];
-        axis_centre(&s->view, k->voxel[i], centre);
+        struct axis_kernel kernel;
+        axis_kernel(&s->view, (uint32_t)i, &kernel);
         s->lists->mask[i] = 0;
-        if (!axis_pixels(&s->view, centre, &r))
+        if (!axis_pixels(kernel.view, kernel.centre, &r))
             continue;
-        s->lists->mask[i] = (uint8_t)walks_of(s, &r, centre, (double)k->tau[i]);
+        s->lists->mask[i] = (uint8_t)walks_of(s, &r, &kernel, axis_tau(&s->view, (uint32_t)i));
         s->lists->span[i] =
             (struct axis_span){ (uint16_t)r.x0, (uint16_t)r.x1, (uint16_t)r.y0, (uint16_t)r.y1 };
     }

@@ -10,6 +10,7 @@
 #include "prepare/merge.h"
 #include "prepare/object.h"
 #include "prepare/order.h"
+#include "prepare/range.h"
 #include "prepare/stream.h"
 #include "prepare/volume.h"
 
@@ -147,7 +148,8 @@ enum stp_result stp_scene_prepare(const struct stp_env *env, struct stp_scene *s
         return result;
     environment_facts(scene, &scene->facts);
     if (scene->volume)
-        return prepare_volume(env, scene, params);
+        return volume_is_range(scene->volume) ? prepare_range(env, scene, params)
+                                              : prepare_volume(env, scene, params);
     params = params ? params : &defaults;
     bool whole = !scene->stream;
     if (!whole)

@@ -265,7 +265,7 @@ enum stp_result prepare_volume(const struct stp_env *env, struct stp_scene *scen
 enum stp_result stp_scene_set_transfer_function(const struct stp_env *env, struct stp_scene *scene,
                                                 const struct stp_volume_params *params)
 {
-    if (!scene->volume)
+    if (!scene->volume || volume_is_range(scene->volume))
         return log_error(env, STP_ERROR_ARGUMENT, "the scene has no volume to classify");
     struct volume before = *scene->volume;
     enum stp_result result = volume_set_transfer(env, scene->volume, params);

@@ -27,6 +27,9 @@ enum stp_result record_view(const struct stp_env *env, struct record_frame *fram
     frame->axis.merge = plan->axis.merge;
     frame->axis.h = plan->axis.h;
     enum stp_result result = axis_lists_update(env, scene, &plan->camera, &frame->axis);
+    if (result == STP_OK && plan->constant[PLAN_ELLIPSOIDS]) /* the view weights them */
+        result = upload_ellipsoids(env, frame, scene,
+                                   &frame->resources.buffer[plan_find(plan, PLAN_SPLATS)]);
     if (result == STP_OK && plan->path == STP_PATH_COMPUTE)
         result = axis_blocks_update(env, &frame->axis, &frame->axis_blocks);
     return result == STP_OK ? record_lists(env, frame, &frame->axis, &frame->axis_blocks) : result;

@@ -76,6 +76,9 @@ enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp
 /* upload.c: the scene's buffers of the plan; but not those of points that come in chunks. */
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,
                               const struct stp_scene *scene);
+/* upload_range.c: the kernels of a plan whose kernels are ellipsoids. */
+enum stp_result upload_ellipsoids(const struct stp_env *env, struct record_frame *frame,
+                                  const struct stp_scene *scene, struct gpu_buffer *buffer);
 /* upload_points.c: the points of one chunk, in the place of those before. Nothing of the frame may
  * be running. */
 enum stp_result record_upload_chunk(const struct stp_env *env, struct record_frame *frame,

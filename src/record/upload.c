@@ -173,8 +173,10 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
             continue;
         switch (frame->plan->resource[i].slot) {
         case PLAN_SPLATS:
-            result = scene->volume ? upload_kernels(env, frame, scene, buffer)
-                                   : upload_splats(env, frame, &scene->splats, buffer);
+            result = frame->plan->constant[PLAN_ELLIPSOIDS]
+                         ? upload_ellipsoids(env, frame, scene, buffer)
+                     : scene->volume ? upload_kernels(env, frame, scene, buffer)
+                                     : upload_splats(env, frame, &scene->splats, buffer);
             break;
         case PLAN_OPACITIES:
             result = gpu_upload(env, frame->context, buffer, scene->splats.opacity,

@@ -57,8 +57,7 @@ static void visit_pixel(const struct tile *tile, size_t at, uint32_t kernel, str
     const struct medium *medium = tile->job->medium;
     struct scratch *s = tile->scratch;
     struct medium_fragment fragment = { .kernel = kernel };
-    double tau = (double)medium->volume->kernels.tau[kernel];
-    if (!medium_hit(medium, centre, tau, &s->ray[at], &fragment))
+    if (!medium_hit_kernel(medium, kernel, centre, &s->ray[at], &fragment))
         return;
     if (tile->fill)
         s->fragment[s->next[at]] = fragment;
@@ -72,7 +71,7 @@ static void visit_kernels(const struct tile *tile)
         struct vec3 centre = medium_centre(medium, tile->kernel[i]);
         double bounds[4];
         uint32_t x0, x1, y0, y1;
-        if (!medium_bounds(medium, centre, bounds) ||
+        if (!medium_bounds(medium, tile->kernel[i], centre, bounds) ||
             !cells_touched(bounds[0], bounds[1], 1, tile->x0, tile->x1, &x0, &x1) ||
             !cells_touched(bounds[2], bounds[3], 1, tile->y0, tile->y1, &y0, &y1))
             continue;
@@ -103,11 +102,22 @@ static bool make_room(struct scratch *s)
     return true;
 }
 
+/* Of a surface: what covers half of a ray or more is all there is of it (docs/range.md). */
+static void normalise(struct ray_sum *sum)
+{
+    double scale = sum->alpha > 0 ? fmin(1, 2 * sum->alpha) / sum->alpha : 0;
+    sum->color = v3_scale(sum->color, scale);
+    sum->albedo = v3_scale(sum->albedo, scale);
+    sum->depth *= scale;
+    sum->alpha *= scale;
+}
+
 /* Front to back. */
 static void composite(const struct medium *medium, const struct medium_fragment *f, size_t count,
-                      struct ray_sum *sum)
+                      struct ray_sum *all)
 {
     double left = 1;
+    struct ray_sum one = { .best = all->best, .voxel = all->voxel }, *sum = &one;
     for (size_t i = 0; i < count; i++) {
         double w = left * f[i].alpha;
         const struct kernels *k = &medium->volume->kernels;
@@ -121,8 +131,16 @@ static void composite(const struct medium *medium, const struct medium_fragment 
         }
         left *= 1 - f[i].alpha;
     }
-    sum->hits += count > 0;
-    sum->fragments += (uint32_t)count;
+    if (volume_is_range(medium->volume))
+        normalise(&one);
+    all->color = v3_add(all->color, one.color);
+    all->albedo = v3_add(all->albedo, one.albedo);
+    all->depth += one.depth;
+    all->alpha += one.alpha;
+    all->best = one.best;
+    all->voxel = one.voxel;
+    all->hits += count > 0;
+    all->fragments += (uint32_t)count;
 }
 
 static void aim(const struct tile *tile, uint32_t sample)

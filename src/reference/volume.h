@@ -17,6 +17,7 @@ struct medium {
     double amplitude;    /* of the Gaussian */
     double least_alpha;  /* LEAST_ALPHA, but where a test asks what dropping costs */
     double (*shaded)[3]; /* a kernel: lit once, at its centre */
+    double *tau; /* of ellipsoids: as the view weights them; NULL: of a grid, the kernels' own */
 };
 
 struct medium_fragment {
@@ -34,8 +35,12 @@ struct vec3 medium_centre(const struct medium *medium, uint32_t kernel); /* came
 /* What the kernel around `centre` adds to the ray; false: nothing, or too little. */
 bool medium_hit(const struct medium *medium, struct vec3 centre, double tau, const struct ray *ray,
                 struct medium_fragment *fragment);
+/* The same of a kernel of any shape. */
+bool medium_hit_kernel(const struct medium *medium, uint32_t kernel, struct vec3 centre,
+                       const struct ray *ray, struct medium_fragment *fragment);
 /* Picture positions that hold every fragment: x0 x1 y0 y1. False: it has none. */
-bool medium_bounds(const struct medium *medium, struct vec3 centre, double bounds[4]);
+bool medium_bounds(const struct medium *medium, uint32_t kernel, struct vec3 centre,
+                   double bounds[4]);
 
 /* volume_bins.c: kernels by tile, ascending within each. */
 struct medium_bins {

@@ -19,7 +19,7 @@ static void bin_kernel(const struct binning *b, size_t block, uint32_t kernel)
     size_t *cursor = b->cursor + block * bins->across * bins->down;
     double bounds[4];
     uint32_t x0, x1, y0, y1;
-    if (!medium_bounds(b->medium, medium_centre(b->medium, kernel), bounds) ||
+    if (!medium_bounds(b->medium, kernel, medium_centre(b->medium, kernel), bounds) ||
         !cells_touched(bounds[0], bounds[1], VOLUME_TILE, 0, bins->across, &x0, &x1) ||
         !cells_touched(bounds[2], bounds[3], VOLUME_TILE, 0, bins->down, &y0, &y1))
         return;

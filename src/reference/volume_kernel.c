@@ -4,6 +4,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "reference/range.h"
 #include "reference/volume.h"
 
 /* In deviations of a kernel along the grid's axes: what is long in one and short in another keeps
@@ -34,6 +35,8 @@ struct vec3 medium_centre(const struct medium *medium, uint32_t kernel)
     const struct grid *grid = &medium->volume->grid;
     uint32_t at[3];
     double world[3];
+    if (volume_is_range(medium->volume))
+        return eye_point(&medium->view->eye, medium->volume->kernels.place[kernel]);
     voxel_place(grid, medium->volume->kernels.voxel[kernel], at);
     for (int axis = 0; axis < 3; axis++)
         world[axis] = grid->origin[axis] + at[axis] * grid->spacing[axis];
@@ -66,11 +69,19 @@ enum stp_result medium_init(const struct stp_env *env, const struct view *view,
 {
     const struct volume *volume = view->scene->volume;
     struct medium made = { .view = view, .volume = volume, .least_alpha = LEAST_ALPHA };
-    set_shape(&made);
+    bool range = volume_is_range(volume);
+    if (!range)
+        set_shape(&made);
     made.shaded = mem_alloc(volume->kernels.count, sizeof *made.shaded);
     if (!made.shaded)
         return log_no_memory(env, volume->kernels.count * sizeof *made.shaded, "shaded kernels");
-    parallel_for(env, volume->kernels.count, 4096, shade_range, &made);
+    enum stp_result result = range ? ellipsoids_look(env, &made) : STP_OK;
+    if (result != STP_OK) {
+        mem_free(made.shaded);
+        return result;
+    }
+    if (!range)
+        parallel_for(env, volume->kernels.count, 4096, shade_range, &made);
     *medium = made;
     return STP_OK;
 }
@@ -78,7 +89,9 @@ enum stp_result medium_init(const struct stp_env *env, const struct view *view,
 void medium_release(struct medium *medium)
 {
     mem_free(medium->shaded);
+    mem_free(medium->tau);
     medium->shaded = NULL;
+    medium->tau = NULL;
 }
 
 /* The share of a Gaussian around 0 of deviation 1 / (sqrt 2 root) that lies in [from, to]. */
@@ -110,6 +123,14 @@ bool medium_hit(const struct medium *medium, struct vec3 centre, double tau, con
     return fragment->alpha >= medium->least_alpha;
 }
 
+bool medium_hit_kernel(const struct medium *medium, uint32_t kernel, struct vec3 centre,
+                       const struct ray *ray, struct medium_fragment *fragment)
+{
+    if (medium->tau)
+        return ellipsoid_hit(medium, kernel, centre, medium->tau[kernel], ray, fragment);
+    return medium_hit(medium, centre, (double)medium->volume->kernels.tau[kernel], ray, fragment);
+}
+
 /* Where x / z can lie for x in [low, high], z in [near, far], both positive. */
 static void quotients(double low, double high, double near, double far, double out[2])
 {
@@ -117,10 +138,10 @@ static void quotients(double low, double high, double near, double far, double o
     out[1] = high / (high > 0 ? near : far);
 }
 
-bool medium_bounds(const struct medium *medium, struct vec3 c, double bounds[4])
+bool medium_bounds(const struct medium *medium, uint32_t kernel, struct vec3 c, double bounds[4])
 {
     const struct eye *eye = &medium->view->eye;
-    struct vec3 h = medium->half;
+    struct vec3 h = medium->tau ? ellipsoid_half(medium, kernel) : medium->half;
     double near = fmax(-c.z - h.z, eye->near_depth), far = fmin(-c.z + h.z, eye->far_depth);
     double x[2] = { c.x - h.x, c.x + h.x }, y[2] = { -c.y - h.y, -c.y + h.y };
     if (!(near <= far))

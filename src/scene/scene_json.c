@@ -60,8 +60,8 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
                           "describes a raw volume, and this is no scene: give the raw file, which "
                           "finds this one beside it");
     enum stp_result result = json_check_object(
-        root, json, "points volume lights camera camera_file environment up name comment");
-    bool none = !points && json_has(json, "volume");
+        root, json, "points volume range lights camera camera_file environment up name comment");
+    bool none = !points && (json_has(json, "volume") || json_has(json, "range"));
     if (result == STP_OK && !none && !cJSON_IsArray(points))
         result = json_error(root, "points", "an array of point files is needed");
     if (result == STP_OK)

@@ -12,6 +12,7 @@
 #include "scene/camera_json.h"
 #include "scene/environment.h"
 #include "scene/phong.h"
+#include "scene/range.h"
 #include "scene/scene_json.h"
 
 /* True when the first byte that is no space is '{' (gzip or not); no point format starts so.
@@ -277,6 +278,33 @@ static enum stp_result add_json_volume(const struct json_at *root, const cJSON *
     return result;
 }
 
+static enum stp_result add_json_range(const struct json_at *root, const cJSON *json,
+                                      const struct stp_load_params *params, struct stp_scene *scene)
+{
+    struct range range;
+    enum stp_range_splats splats;
+    if (!json_has(json, "range"))
+        return STP_OK;
+    enum stp_result result = range_from_json(root, json, params, &range, &splats);
+    if (result != STP_OK)
+        return result;
+    result = range_show(root->env, scene, &range, splats, params);
+    range_release(&range);
+    return result;
+}
+
+static enum stp_result add_folder(const struct stp_env *env, struct stp_scene *scene,
+                                  const char *path, const struct stp_load_params *params)
+{
+    struct range range;
+    enum stp_result result = range_from_folder(env, path, params, &range);
+    if (result != STP_OK)
+        return result;
+    result = range_show(env, scene, &range, params->range.splats, params);
+    range_release(&range);
+    return result;
+}
+
 /* Lights and camera first: their mistakes show before minutes of loading. */
 static enum stp_result load_json(const struct stp_env *env, const char *path,
                                  const struct stp_load_params *params, struct stp_scene *scene)
@@ -302,6 +330,8 @@ static enum stp_result load_json(const struct stp_env *env, const char *path,
         result = add_entries(&root, json, &resolved, entries, scene);
         if (result == STP_OK)
             result = add_json_volume(&root, json, &resolved, scene);
+        if (result == STP_OK)
+            result = add_json_range(&root, json, &resolved, scene);
     }
     cJSON_Delete(json);
     return result;
@@ -317,8 +347,9 @@ enum stp_result stp_scene_load(const struct stp_env *env, const char *path,
         return result;
     if (!params)
         params = &defaults;
-    result = looks_like_json(path) ? load_json(env, path, params, loaded)
-                                   : add_file(env, loaded, path, params, NULL);
+    result = looks_like_json(path)   ? load_json(env, path, params, loaded)
+             : range_is_folder(path) ? add_folder(env, loaded, path, params)
+                                     : add_file(env, loaded, path, params, NULL);
     if (result == STP_OK)
         *scene = loaded;
     else

@@ -15,6 +15,11 @@ void kernels_release(struct kernels *kernels)
     mem_free(kernels->color);
     mem_free(kernels->tau);
     mem_free(kernels->normal);
+    mem_free(kernels->place);
+    mem_free(kernels->axes);
+    mem_free(kernels->source_first);
+    mem_free(kernels->source);
+    mem_free(kernels->source_color);
     *kernels = (struct kernels){ 0 };
 }
 
@@ -23,6 +28,7 @@ void volume_release(struct volume **volume)
     if (!*volume)
         return;
     grid_release(&(*volume)->grid);
+    range_release(&(*volume)->range);
     kernels_release(&(*volume)->kernels);
     mem_free(*volume);
     *volume = NULL;

@@ -8,6 +8,7 @@
 
 #include <math.h>
 
+#include "load/range.h"
 #include "load/volume.h"
 
 #define KERNEL_SIGMA 0.55 /* spacings */
@@ -35,7 +36,17 @@ bool transfer_preset(const char *name, struct transfer_function *function);
 enum stp_result transfer_load(const struct stp_env *env, const char *path,
                               struct transfer_function *function);
 
-/* What prepare makes of the voxels that have any opacity, in order of their index in the grid. */
+/* A frame that sees an ellipsoid's centre: 1 / sigma^2 of its depth there, and how well that
+ * agrees, relative to the ellipsoid's own frame. */
+struct kernel_source {
+    uint32_t frame;
+    float weight;
+};
+
+/* What prepare makes of the voxels that have any opacity, in order of their index in the grid; or
+ * of the pixels of range images, frame after frame: `voxel` is then the pixel's index over all
+ * frames.
+ */
 struct kernels {
     size_t count;
     uint32_t *voxel;
@@ -43,11 +54,21 @@ struct kernels {
     float *tau;         /* optical depth per scene unit: -ln(1 - alpha) / finest spacing */
     float (*normal)[3]; /* against the gradient, unit, (0, 0, 0) where there is none; NULL: unshaded
                          */
+    /* Of range images only: centres, the axes of the ellipsoids (world: across, down, along the
+     * ray; each one deviation), and the sources of kernel i from source_first[i] on, its own frame
+     * first; their colours where colours are by views. */
+    double (*place)[3];
+    float (*axes)[3][3];
+    uint32_t *source_first;
+    struct kernel_source *source;
+    float (*source_color)[3];
 };
 void kernels_release(struct kernels *kernels);
 
+/* Of a grid; or of range images, and then there are neither grid nor transfer function. */
 struct volume {
     struct grid grid;
+    struct range range;                /* count 0: of a grid */
     struct transfer_function transfer; /* count 0: found by prepare from the histogram */
     bool automatic, unshaded, clipped;
     double clip_box[6]; /* where clipped */
@@ -62,6 +83,11 @@ static inline double volume_finest(const struct grid *grid)
     const double *s = grid->spacing;
     double least = s[0] < s[1] ? s[0] : s[1];
     return least < s[2] ? least : s[2];
+}
+
+static inline bool volume_is_range(const struct volume *volume)
+{
+    return volume->range.count > 0;
 }
 
 /* The indices of a voxel along the axes. */
@@ -86,6 +112,9 @@ struct stp_scene;
 enum stp_result scene_add_volume(const struct stp_env *env, struct stp_scene *scene,
                                  struct grid *grid, const struct stp_volume_params *params,
                                  const struct stp_material *material);
+/* The same for range images, which it takes ownership of. */
+enum stp_result scene_add_range(const struct stp_env *env, struct stp_scene *scene,
+                                struct range *range);
 /* Params' transfer function: a preset, a file, or automatic. */
 enum stp_result volume_set_transfer(const struct stp_env *env, struct volume *volume,
                                     const struct stp_volume_params *params);

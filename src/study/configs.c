@@ -147,7 +147,7 @@ unsigned study_configs(const struct stp_facts *facts, bool quick,
                        struct study_config configs[STUDY_MAX_CONFIGS])
 {
     struct list list = { configs, 0 };
-    if (facts->volume.dims[0])
+    if (facts->volume.dims[0] || facts->range.frames)
         add_volume(&list, quick);
     else if (facts->transparent)
         add_transparent(&list, quick);

@@ -227,7 +227,7 @@ static double default_epsilon(const struct study *study)
     const struct stp_scene *scene = study->scene;
     if (study->params.render.epsilon > 0)
         return study->params.render.epsilon;
-    if (scene->volume)
+    if (scene->volume && !volume_is_range(scene->volume))
         return volume_finest(&scene->volume->grid);
     return scene->object_count == 1 ? scene->objects[0].epsilon
                                     : (double)scene->facts.radius_median;

@@ -3,6 +3,7 @@
 
 #include "base/memory.h"
 #include "fuzz.h"
+#include "scene/range.h"
 #include "scene/scene_json.h"
 
 static void check_entry(const struct scene_entry *entry)
@@ -30,6 +31,19 @@ static enum stp_result read_entries(const struct json_at *root, const cJSON *jso
     return result;
 }
 
+/* Its pictures are not found. */
+static enum stp_result read_range(const struct json_at *root, const cJSON *json)
+{
+    const struct stp_load_params params = { 0 };
+    struct range range = { 0 };
+    enum stp_range_splats splats = STP_RANGE_AUTO;
+    if (!json_has(json, "range"))
+        return STP_OK;
+    enum stp_result result = range_from_json(root, json, &params, &range, &splats);
+    fuzz_check(result != STP_OK && range.count == 0, "no frame without its files");
+    return result;
+}
+
 static enum stp_result read_scene(const struct stp_env *env, const cJSON *json)
 {
     /* In a folder that is not there: a camera_file of a relative path is not found. */
@@ -49,6 +63,8 @@ static enum stp_result read_scene(const struct stp_env *env, const cJSON *json)
                    "1 to 8 lights");
         result = read_entries(&root, json, entries);
     }
+    if (result == STP_OK)
+        result = read_range(&root, json);
     stp_scene_destroy(&scene);
     return result;
 }

@@ -194,6 +194,14 @@ def make_json():
          '{"position":[1,2,3]},{"at_eye":true}],"camera":{"world_to_camera":%s,"fov_y_deg":30},'
          '"comment":"c"}' % MATRIX)
     seed("scene_json", "least.json", ' {"points":[]}')
+    seed("scene_json", "range.json", '{"range":{"frames":[{"depth":"d.png","color":"c.png","pose":'
+         '[1,2,3,0,0,0,1],"intrinsics":{"fx":9,"fy":9,"cx":4,"cy":3},"margin":2,"disparity":'
+         '{"baseline":0.1,"offset":3},"sensor":{"type":"stereo","sigma_disparity":0.2}}],'
+         '"depth_scale":1000,"uncertainty":2,"splats":"discs"}}')
+    seed("scene_json", "range_poses.json", '{"range":{"intrinsics":{"fx":9,"fy":9,"cx":4,"cy":3},'
+         '"frames":[{"camera_to_world":%s,"depth":"d.pgm","color":"c.ppm"}],"sensor":{"type":'
+         '"constant","sigma":0.1}}}' % MATRIX)
+    seed("scene_json", "range_folder.json", '{"range":"folder"}')
     seed("scene_json", "camera_file.json", '{"points":["a.ply"],"camera_file":"c.json"}')
 
 
@@ -319,6 +327,34 @@ def make_volume():
     seed("volume", "raw", bytes(range(64)))
 
 
+def png(width, height, depth, kind, rows):
+    def chunk(name, data):
+        return (struct.pack(">I", len(data)) + name + data
+                + struct.pack(">I", zlib.crc32(name + data)))
+    head = struct.pack(">IIBBBBB", width, height, depth, kind, 0, 0, 0)
+    return (b"\x89PNG\r\n\x1a\n" + chunk(b"IHDR", head)
+            + chunk(b"IDAT", zlib.compress(b"".join(b"\0" + row for row in rows)))
+            + chunk(b"IEND", b""))
+
+
+def make_range():
+    seed("range", "depth.pgm", b"dP5 # remark\n2 2\n65535\n" + bytes(range(8)))
+    seed("range", "depth8.pgm", b"dP5 2 2 200 " + bytes(range(4)))
+    seed("range", "color.ppm", b"cP6\n2 1\n255\n" + bytes(range(6)))
+    seed("range", "depth16.png", b"d" + png(2, 2, 16, 0, [bytes(4), bytes(range(4))]))
+    seed("range", "color.png", b"c" + png(2, 1, 8, 2, [bytes(range(6))]))
+    seed("range", "alpha.png", b"c" + png(2, 1, 8, 6, [bytes(range(8))]))
+    seed("range", "bits.png", b"d" + png(3, 1, 2, 0, [b"\x1b"]))
+    for name, kinds in [("color", [(b"B", 1), (b"G", 1), (b"R", 1)]), ("depth", [(b"Z", 2)])]:
+        line = bytes(range(4 * (2 if len(kinds) == 3 else 4))) * len(kinds)
+        start = exr_head(kinds, 0, False)
+        table = b"".join(struct.pack("<Q", len(start) + 32 + i * (8 + len(line))) for i in range(4))
+        chunks = b"".join(struct.pack("<iI", i, len(line)) + line for i in range(4))
+        seed("range", name + ".exr", name[:1].encode() + start + table + chunks)
+    seed("range", "intrinsics.txt", "ifx 518\nfy 519 # so\ncx 1.5\ncy 2.5\n\ndepth_scale 1e3\n")
+    seed("range", "poses.txt", "p# remark\n1 2 3 0 0 0 1\r\n-1 .5 2e3 0 0.6 0 0.8\n")
+
+
 def make_transfer_json():
     seed("transfer_json", "values.json", '{"name": "n", "unit": "value", "points": ['
          '{"value": -1, "opacity": 0, "color": "#80ff00"}, {"value": 2, "opacity": 1, '
@@ -327,5 +363,5 @@ def make_transfer_json():
 
 
 for make in (make_las, make_pcd, make_ply, make_text, make_json, make_exr, make_environment,
-             make_gzip, make_volume, make_transfer_json):
+             make_gzip, make_volume, make_range, make_transfer_json):
     make()

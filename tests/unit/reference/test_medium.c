@@ -98,7 +98,7 @@ static void line_integrals_match_quadrature(void **state)
             double near = view.eye.near_depth, far = fmin(view.eye.far_depth, f.depth + 8);
             double integral = quadrature(&medium, c, &ray, fmax(near, f.depth - 8), far);
             close_to(f.alpha, -expm1(-tau * integral), 2e-6);
-            assert_true(medium_bounds(&medium, c, bounds));
+            assert_true(medium_bounds(&medium, k, c, bounds));
             assert_true(bounds[0] <= px && px <= bounds[1] && bounds[2] <= py && py <= bounds[3]);
         }
         medium_release(&medium);
