@@ -64,7 +64,7 @@ static void add_kernel(struct orders *o, const struct medium *medium, unsigned o
 {
     const struct view *view = medium->view;
     double b[4];
-    if (!medium_bounds(medium, medium_centre(medium, kernel), b))
+    if (!medium_bounds(medium, kernel, medium_centre(medium, kernel), b))
         return;
     for (uint32_t y = (uint32_t)fmax(0, floor(b[2] - 1)); y < view->height && y < b[3] + 1; y++)
         for (uint32_t x = (uint32_t)fmax(0, floor(b[0] - 1)); x < view->width && x < b[1] + 1;
