@@ -2,13 +2,14 @@
 
 const float LOG2_E = 1.442695041;
 
-// What a pixel's ray makes of the shape. With d the ray, q the kernel's centre from the ray's point at
-// its depth (q.z = 0): m^2 = q' M q - (g.q)^2 / A, free of the cancellation of far coordinates.
-// Exponents are of 2, with all that depends on the pixel alone folded in.
+// What a pixel's ray makes of the shape. With B what takes the camera frame to deviations, d the ray, q
+// the kernel's centre from the ray's point at its depth (q.z = 0): m^2 = |Bq x Bd|^2 / |Bd|^2, free of the
+// cancellation of far coordinates and of kernels of 10^6 : 1. Exponents are of 2, with all that depends
+// on the pixel alone folded in.
 struct Ray {
     vec2 d;      // the ray's direction is (d, 1); orthographic: it starts at (d, 0)
-    vec2 g;      // M (d, 1), its x and y, over a
-    float a;     // (d, 1)' M (d, 1)
+    vec2 g;      // B'B (d, 1), its x and y, over a
+    float a;     // |B (d, 1)|^2
     vec3 form;   // of log2 exp(-m^2 / 2) in q: xx, 2 xy, yy
     float scale; // log2 of the line integral's factor, amplitude |(d, 1)| sqrt(2 pi / a), times LOG2_E
 };
@@ -16,15 +17,15 @@ struct Ray {
 Ray axis_ray(vec2 pixel)
 {
     Ray r;
-    const float m[6] = frame.axis.shape;
+    const float b[9] = frame.axis.shape;
+    vec3 x = vec3(b[0], b[3], b[6]), y = vec3(b[1], b[4], b[7]), z = vec3(b[2], b[5], b[8]);
     r.d = (pixel - vec2(frame.center[0], frame.center[1])) *
           vec2(frame.inv_focal[0], frame.inv_focal[1]);
     vec3 v = ORTHOGRAPHIC ? vec3(0, 0, 1) : vec3(r.d, 1);
-    vec3 mv = vec3(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
-                   m[2] * v.x + m[4] * v.y + m[5] * v.z);
-    r.a = dot(v, mv);
-    r.g = mv.xy / r.a;
-    r.form = -0.5 * LOG2_E * vec3(m[0] - mv.x * r.g.x, 2 * (m[1] - mv.x * r.g.y), m[3] - mv.y * r.g.y);
+    vec3 ray = v.x * x + v.y * y + v.z * z, across = cross(x, ray), down = cross(y, ray);
+    r.a = dot(ray, ray);
+    r.g = vec2(dot(x, ray), dot(y, ray)) / r.a;
+    r.form = -0.5 * LOG2_E / r.a * vec3(dot(across, across), 2 * dot(across, down), dot(down, down));
     r.scale = log2(LOG2_E * frame.axis.scale * length(v) * inversesqrt(r.a));
     return r;
 }

@@ -10,6 +10,7 @@ void axis_output(uvec2 p, vec4 color, float depth)
         color *= scale;
         depth *= scale;
     }
+    color.w = min(color.w, 1); // a mean of ones may round to more
     frame.out_depth.v[at] = color.w > 0 ? depth / color.w : 1.0 / 0.0;
     frame.out_normal.v[at] = vec3(0);
     if (BACKGROUND)

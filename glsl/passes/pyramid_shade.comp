@@ -27,7 +27,8 @@ void shade_pixel(uint block, ivec2 p, uvec2 pixel)
         surface_object = r.attributes.object;
     }
     s.albedo /= frame.pyramid_color;
-    bool hit = copied || r.weight > 0;
+    // A mean's plane may reach beyond near and far.
+    bool hit = copied || (r.weight > 0 && r.depth >= frame.near_depth && r.depth <= frame.far_depth);
     // What lies behind a texel whose mean disc misses it may be hidden by the points' own discs.
     bool doubtful = copied && s.depth > r.before;
     if (!doubtful)

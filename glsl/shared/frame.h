@@ -132,7 +132,7 @@ struct stp_level_gpu {
 
 /* HM: kernels of one shape, and the walks that draw them; zero without them. */
 struct stp_axis_gpu {
-    float shape[6];       /* camera frame: xx xy xz yy yz zz */
+    float shape[9];       /* of each of the grid's axes, camera frame: over its deviation */
     float extent[3];      /* of the box around a kernel's reach */
     float reach2;         /* squared, in deviations */
     float least_exponent; /* log2 of exp(-reach2 / 2) */

@@ -22,19 +22,16 @@ _Static_assert(AXIS_BLOCK_WIDTH == STP_BLOCK && AXIS_BLOCK_HEIGHT == STP_AXIS_RO
 static void set_shape(struct stp_plan *plan, const struct volume *volume)
 {
     struct stp_axis_gpu *axis = &plan->frame.axis;
-    double precision[6] = { 0 }, half[3] = { 0 };
+    double half[3] = { 0 };
     for (int a = 0; a < 3; a++) {
-        double s = KERNEL_SIGMA * volume->grid.spacing[a], w = 1 / (s * s);
+        double s = KERNEL_SIGMA * volume->grid.spacing[a];
         const double *m = plan->camera.world_to_camera;
         const double d[3] = { m[a], -m[4 + a], -m[8 + a] };
-        for (int i = 0, at = 0; i < 3; i++) {
+        for (int i = 0; i < 3; i++) {
             half[i] += s * s * d[i] * d[i];
-            for (int j = i; j < 3; j++)
-                precision[at++] += w * d[i] * d[j];
+            axis->shape[3 * a + i] = (float)(d[i] / s);
         }
     }
-    for (int i = 0; i < 6; i++)
-        axis->shape[i] = (float)precision[i];
     for (int i = 0; i < 3; i++)
         axis->extent[i] = (float)(KERNEL_REACH * sqrt(half[i]));
     axis->scale = (float)(kernel_amplitude() * sqrt(2 * M_PI));

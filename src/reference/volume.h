@@ -12,7 +12,7 @@
 struct medium {
     const struct view *view;
     const struct volume *volume;
-    double precision[6]; /* of a kernel, in the camera frame: xx xy xz yy yz zz */
+    struct vec3 axis[3]; /* the grid's, in the camera frame, over a kernel's deviation */
     struct vec3 half;    /* half the sides of the box around a kernel's reach, camera frame */
     double amplitude;    /* of the Gaussian */
     double least_alpha;  /* LEAST_ALPHA, but where a test asks what dropping costs */

@@ -7,26 +7,21 @@
 #include "reference/range.h"
 #include "reference/volume.h"
 
-static struct vec3 times(const double m[6], struct vec3 v)
+/* In deviations of a kernel along the grid's axes: what is long in one and short in another keeps
+ * its digits, as it would not as a quadratic form. */
+static struct vec3 in_deviations(const struct medium *medium, struct vec3 v)
 {
-    return v3(m[0] * v.x + m[1] * v.y + m[2] * v.z, m[1] * v.x + m[3] * v.y + m[4] * v.z,
-              m[2] * v.x + m[4] * v.y + m[5] * v.z);
+    return v3(v3_dot(medium->axis[0], v), v3_dot(medium->axis[1], v), v3_dot(medium->axis[2], v));
 }
 
-/* The grid's axes in the camera frame scale the kernel: precision = sum of a a^T / s^2. */
 static void set_shape(struct medium *medium)
 {
     const double *spacing = medium->volume->grid.spacing;
-    double half[3] = { 0 }, *p = medium->precision;
+    double half[3] = { 0 };
     for (int axis = 0; axis < 3; axis++) {
-        double s = KERNEL_SIGMA * spacing[axis], w = 1 / (s * s);
+        double s = KERNEL_SIGMA * spacing[axis];
         struct vec3 a = eye_direction(&medium->view->eye, v3(axis == 0, axis == 1, axis == 2));
-        p[0] += w * a.x * a.x;
-        p[1] += w * a.x * a.y;
-        p[2] += w * a.x * a.z;
-        p[3] += w * a.y * a.y;
-        p[4] += w * a.y * a.z;
-        p[5] += w * a.z * a.z;
+        medium->axis[axis] = v3_scale(a, 1 / s);
         half[0] += s * s * a.x * a.x;
         half[1] += s * s * a.y * a.y;
         half[2] += s * s * a.z * a.z;
@@ -111,12 +106,12 @@ bool medium_hit(const struct medium *medium, struct vec3 centre, double tau, con
                 struct medium_fragment *fragment)
 {
     const struct eye *eye = &medium->view->eye;
-    struct vec3 e = v3_sub(ray->start, centre);
-    struct vec3 along = times(medium->precision, ray->along);
-    double a = v3_dot(ray->along, along), peak = -v3_dot(e, along) / a;
+    struct vec3 e = in_deviations(medium, v3_sub(ray->start, centre));
+    struct vec3 along = in_deviations(medium, ray->along);
+    double a = v3_dot(along, along), peak = -v3_dot(e, along) / a;
     /* From the nearest point, not as a difference of squares: a far kernel keeps its digits. */
-    struct vec3 d = v3_add(e, v3_scale(ray->along, peak));
-    double m2 = v3_dot(d, times(medium->precision, d));
+    struct vec3 d = v3_add(e, v3_scale(along, peak));
+    double m2 = v3_dot(d, d);
     double depth = fmin(fmax(peak, eye->near_depth), eye->far_depth);
     if (m2 + a * (depth - peak) * (depth - peak) > KERNEL_REACH * KERNEL_REACH)
         return false;

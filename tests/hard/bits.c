@@ -38,11 +38,11 @@ static void bare(const struct hard_options *o, struct hard_scene *s)
 
 static const struct hard_case cases[] = {
     { "Shuffled input", "The same bits: points are put in an order of their own first", shuffled,
-      NULL, 45, INFINITY, 0, 0, NULL },
+      NULL, 45, INFINITY, 0, 0, NULL, HARD_PYRAMID_SURFACE },
     { "One thread and seven", "The same bits: no sum is split by thread", threads, NULL, 45,
-      INFINITY, 0, 0, NULL },
+      INFINITY, 0, 0, NULL, HARD_PYRAMID_SURFACE },
     { "Shuffled, other threads, nothing but positions",
-      "The same bits, estimated normals and radii among them", bare, NULL, 40, INFINITY, 0, 0,
-      NULL },
+      "The same bits, estimated normals and radii among them", bare, NULL, 40, INFINITY, 0, 0, NULL,
+      HARD_PYRAMID_POINTS },
 };
 const struct hard_family hard_bits = { "bits", cases, sizeof cases / sizeof *cases };

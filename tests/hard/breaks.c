@@ -226,8 +226,9 @@ static void merging(const struct hard_options *o, struct device *device)
 }
 
 static const struct hard_case cases[] = {
-    { "Iso-depth seams of Eq. 6 and 10", "", NULL, NULL, 0, 0, 0, 0, seams },
-    { "Overlap within a group at c below 1", "", NULL, NULL, 0, 0, 0, 0, flaps },
-    { "Two sheets closer than epsilon", "", NULL, NULL, 0, 0, 0, 0, merging },
+    { "Iso-depth seams of Eq. 6 and 10", "", NULL, NULL, 0, 0, 0, 0, seams, HARD_PYRAMID_POINTS },
+    { "Overlap within a group at c below 1", "", NULL, NULL, 0, 0, 0, 0, flaps,
+      HARD_PYRAMID_POINTS },
+    { "Two sheets closer than epsilon", "", NULL, NULL, 0, 0, 0, 0, merging, HARD_PYRAMID_POINTS },
 };
 const struct hard_family hard_breaks = { "breaks", cases, sizeof cases / sizeof *cases };

@@ -120,10 +120,11 @@ static const struct hard_case cases[] = {
     { "Survey coordinates near 6e6, millimetre detail",
       "The relief is there, its normals within the turn between two discs, and the picture is that "
       "of the same ground at 0: 2^-53 of 6e6 is a nanometre",
-      survey, check_survey, 45, 90, 0, 0, NULL },
-    { "Moved by 10 sizes", MOVED, moved_10, NULL, 45, 90, 0, 0, NULL },
-    { "Moved by 100 sizes", MOVED, moved_100, NULL, 45, 90, 0, 0, NULL },
-    { "Moved by 1000 sizes", MOVED, moved_1000, NULL, 45, 90, 0, 0, NULL },
-    { "Moved by a million sizes", MOVED, moved_1e6, NULL, 45, 90, 0, 0, NULL },
+      survey, check_survey, 45, 90, 0, 0, NULL, HARD_PYRAMID_SURFACE },
+    { "Moved by 10 sizes", MOVED, moved_10, NULL, 45, 90, 0, 0, NULL, HARD_PYRAMID_SURFACE },
+    { "Moved by 100 sizes", MOVED, moved_100, NULL, 45, 90, 0, 0, NULL, HARD_PYRAMID_SURFACE },
+    { "Moved by 1000 sizes", MOVED, moved_1000, NULL, 45, 90, 0, 0, NULL, HARD_PYRAMID_SURFACE },
+    { "Moved by a million sizes", MOVED, moved_1e6, NULL, 45, 90, 0, 0, NULL,
+      HARD_PYRAMID_SURFACE },
 };
 const struct hard_family hard_coordinates = { "coordinates", cases, sizeof cases / sizeof *cases };

@@ -164,22 +164,23 @@ static const struct hard_case cases[] = {
       "Five ways of six are as good as with them, `auto` among them; deferred by compute is "
       "refused "
       "by the feature's name",
-      NULL, NULL, 0, 0, 0, 0, without_atomics },
+      NULL, NULL, 0, 0, 0, 0, without_atomics, HARD_PYRAMID_POINTS },
     { "No gl_Layer from the vertex shader", "Every way is as good: a pass a layer", NULL, NULL, 0,
-      0, 0, 0, without_layer },
+      0, 0, 0, without_layer, HARD_PYRAMID_POINTS },
     { "No storage-image formats",
       "The four compute ways are as good, `auto` among them; the two raster ones are refused by "
       "the "
       "feature's name",
-      NULL, NULL, 0, 0, 0, 0, without_formats },
+      NULL, NULL, 0, 0, 0, 0, without_formats, HARD_PYRAMID_POINTS },
     { "Device memory smaller than the scene",
       "`auto` gives the reference's bits, from the CPU; a method asked for by name is refused with "
       "the bytes that are missing",
-      NULL, NULL, 0, 0, 0, 0, scene_too_large },
-    { "No device", "STP_ERROR_NO_DEVICE and one line", NULL, NULL, 0, 0, 0, 0, no_device },
+      NULL, NULL, 0, 0, 0, 0, scene_too_large, HARD_PYRAMID_POINTS },
+    { "No device", "STP_ERROR_NO_DEVICE and one line", NULL, NULL, 0, 0, 0, 0, no_device,
+      HARD_PYRAMID_POINTS },
     { "Memory below one tile", "STP_ERROR_DEVICE_MEMORY and one line, before anything is allocated",
-      NULL, NULL, 0, 0, 0, 0, below_one_tile },
+      NULL, NULL, 0, 0, 0, 0, below_one_tile, HARD_PYRAMID_POINTS },
     { "A damaged file", "STP_ERROR_FORMAT and one line that names the file", NULL, NULL, 0, 0, 0, 0,
-      damaged_file },
+      damaged_file, HARD_PYRAMID_POINTS },
 };
 const struct hard_family hard_devices = { "devices", cases, sizeof cases / sizeof *cases };

@@ -21,7 +21,11 @@ BREAK = "| how | dB | ms | eight times the error |\n|---|---:|---:|---|\n"
 SAMPLES = "| samples | exact | two-pass |\n|---:|---:|---:|\n"
 LAYERS = ("| case, and what must come out | | exact | exact, ids | peel | nearest | fast | truth |\n"
           "|---|---|---:|---:|---:|---:|---:|---|\n")
-HEADS = {"breaks": BREAK, "samples": SAMPLES, "layers": LAYERS}
+AXIS = ("| case, and what must come out | | blend | clip | single | sort | of its bound |\n"
+        "|---|---|---:|---:|---:|---:|---:|\n")
+PYRAMID = ("| case | is | | covered | lost | empty | wider | behind | dB | twin |\n"
+           "|---|---|---|---:|---:|---:|---:|---:|---:|---|\n")
+HEADS = {"breaks": BREAK, "samples": SAMPLES, "layers": LAYERS, "axis": AXIS, "pyramid": PYRAMID}
 
 
 def rows(program, family):

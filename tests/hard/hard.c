@@ -4,7 +4,7 @@
 static const struct hard_family *const families[] = {
     &hard_coordinates, &hard_views,   &hard_splats,   &hard_normals, &hard_crowds,
     &hard_sheets,      &hard_colors,  &hard_pictures, &hard_bits,    &hard_devices,
-    &hard_breaks,      &hard_samples, &hard_layers,
+    &hard_breaks,      &hard_samples, &hard_layers,   &hard_axis,
 };
 #define FAMILIES (sizeof families / sizeof *families)
 
@@ -14,12 +14,15 @@ struct job {
     struct device *device;
     const struct hard_family *family;
     const struct hard_case *c;
+    void (*judge)(const struct hard_options *o, struct device *device, const char *family,
+                  const struct hard_case *c);
 };
 
 static const char usage[] =
     "usage: hard [--family NAME] [--case PART] [--seed N] [--size WxH] [--look AZ,EL]\n"
     "            [--points N] [--table FILE] [--pictures DIR] [--write DIR]\n"
-    "Renders the hard cases every way and judges them. Defaults: all, seed 1, 112x84,\n"
+    "Renders the hard cases every way and judges them; the family pyramid is the other\n"
+    "families' points by that method. Defaults: all, seed 1, 112x84,\n"
     "seen from 30,20 degrees, surfaces of 1500 points. --table appends Markdown rows,\n"
     "--pictures writes a PNG a case, --write the splats, the camera and every EXR.\n";
 
@@ -27,7 +30,7 @@ static void run_job(void **state)
 {
     struct job *job = *state;
     if (!job->c->run) {
-        hard_judge(job->o, job->device, job->family->name, job->c);
+        job->judge(job->o, job->device, job->family->name, job->c);
         return;
     }
     job->c->run(job->o, job->device);
@@ -35,11 +38,10 @@ static void run_job(void **state)
         hard_say(job->o, job->family->name, job->c);
 }
 
-static bool wanted(const struct hard_options *o, const struct hard_family *family,
-                   const struct hard_case *c)
+/* `name` is the family's own, or that of the pyramid's. */
+static bool wanted(const struct hard_options *o, const char *name, const struct hard_case *c)
 {
-    return (!o->family || strcmp(o->family, family->name) == 0) &&
-           (!o->only || strstr(c->name, o->only));
+    return (!o->family || strcmp(o->family, name) == 0) && (!o->only || strstr(c->name, o->only));
 }
 
 static bool parse_text(struct hard_options *o, const char *key, const char *value)
@@ -77,22 +79,36 @@ static bool parse_number(struct hard_options *o, const char *key, const char *va
     return fabs(el) < 80;
 }
 
-static unsigned list_jobs(const struct hard_options *o, struct device *device, struct job *jobs,
-                          struct CMUnitTest *tests)
+#define MOST_JOBS 192
+struct jobs {
+    unsigned count;
+    struct job job[MOST_JOBS];
+    struct CMUnitTest test[MOST_JOBS];
+};
+
+static void add_job(struct jobs *jobs, const struct job *job)
 {
-    unsigned count = 0;
+    assert_true(jobs->count < MOST_JOBS);
+    jobs->job[jobs->count] = *job;
+    jobs->test[jobs->count] = (struct CMUnitTest){ .name = job->c->name,
+                                                   .test_func = run_job,
+                                                   .initial_state = &jobs->job[jobs->count] };
+    jobs->count++;
+}
+
+static void list_jobs(const struct hard_options *o, struct device *device, struct jobs *jobs)
+{
     for (unsigned f = 0; f < FAMILIES; f++)
         for (unsigned i = 0; i < families[f]->count; i++) {
-            const struct hard_case *c = &families[f]->cases[i];
-            if (!wanted(o, families[f], c))
-                continue;
-            jobs[count] = (struct job){ o, device, families[f], c };
-            tests[count] = (struct CMUnitTest){ .name = c->name,
-                                                .test_func = run_job,
-                                                .initial_state = &jobs[count] };
-            count++;
+            bool volumes = families[f] == &hard_axis;
+            struct job job = { o, device, families[f], &families[f]->cases[i],
+                               volumes ? hard_judge_axis : hard_judge };
+            if (wanted(o, families[f]->name, job.c))
+                add_job(jobs, &job);
+            job.judge = hard_judge_pyramid;
+            if (!volumes && !job.c->run && wanted(o, "pyramid", job.c))
+                add_job(jobs, &job);
         }
-    return count;
 }
 
 int main(int argc, char **argv)
@@ -107,15 +123,15 @@ int main(int argc, char **argv)
             return 2;
         }
     struct device device;
-    struct job jobs[96];
-    struct CMUnitTest tests[96];
-    unsigned count = list_jobs(&o, &device, jobs, tests);
-    if (count == 0) {
+    struct jobs jobs = { 0 };
+    list_jobs(&o, &device, &jobs);
+    if (jobs.count == 0) {
         fputs("hard: no such case\n", stderr);
         return 2;
     }
     device_open(&device, 0);
-    int failed = _cmocka_run_group_tests(o.family ? o.family : "hard", tests, count, NULL, NULL);
+    int failed =
+        _cmocka_run_group_tests(o.family ? o.family : "hard", jobs.test, jobs.count, NULL, NULL);
     device_close(&device);
     return failed != 0;
 }

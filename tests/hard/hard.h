@@ -18,6 +18,12 @@ struct hard_options {
     const char *write;      /* folder: a PLY, a camera and EXRs a case; NULL: none */
 };
 
+/* What the pyramid, an approximation, makes of a case of points: docs/hard-cases.md argues it. */
+enum hard_pyramid {
+    HARD_PYRAMID_POINTS = 0, /* no point in view is lost */
+    HARD_PYRAMID_SURFACE,    /* and discs join to a surface: no holes, its depth within epsilon */
+};
+
 /* What is rendered. The case owns it until hard_scene_release. */
 struct hard_scene {
     struct stp_scene *scene;
@@ -42,6 +48,7 @@ struct hard_case {
     double fragile; /* most share of covered pixels on the edge of rounding; 0: 0.03 */
     /* Or all by itself: fails through cmocka. */
     void (*run)(const struct hard_options *o, struct device *device);
+    enum hard_pyramid pyramid;
 };
 
 struct hard_family {
@@ -51,7 +58,7 @@ struct hard_family {
 };
 extern const struct hard_family hard_samples, hard_breaks, hard_coordinates, hard_views,
     hard_splats, hard_normals, hard_crowds, hard_sheets, hard_colors, hard_pictures, hard_bits,
-    hard_devices, hard_layers;
+    hard_devices, hard_layers, hard_axis;
 
 /* points.c: points before they are prepared. */
 struct hard_points {
@@ -113,9 +120,23 @@ struct stp_image *hard_reference(const struct stp_scene *scene, const struct stp
  * both cover. */
 double hard_psnr(const struct stp_image *image, const struct stp_image *truth);
 
+/* keep.c */
+#define HARD_SLUG 96
+void hard_slug(const char *family, const struct hard_case *c, char slug[HARD_SLUG]);
+/* What the options ask for: a PNG of way 0, EXRs of all. */
+void hard_keep(const struct hard_options *o, const struct hard_scene *s, const char *slug,
+               const struct stp_image *image, unsigned way);
+bool hard_sound(const struct stp_image *image);
+
 /* judge_case.c: renders a case every way, judges it, and fails with every verdict that is wrong. */
 void hard_judge(const struct hard_options *o, struct device *device, const char *family,
                 const struct hard_case *c);
+/* judge_axis.c: a volume by every merge, by compute and by the rasteriser. */
+void hard_judge_axis(const struct hard_options *o, struct device *device, const char *family,
+                     const struct hard_case *c);
+/* judge_pyramid.c: any case of points; transparent ones have to be refused. */
+void hard_judge_pyramid(const struct hard_options *o, struct device *device, const char *family,
+                        const struct hard_case *c);
 /* Of cases that run by themselves: a row of words. */
 void hard_say(const struct hard_options *o, const char *family, const struct hard_case *c);
 

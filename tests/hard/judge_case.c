@@ -1,7 +1,5 @@
 #include "hard.h"
 
-#include <ctype.h>
-
 /* How a case came out by one way. */
 struct outcome {
     struct verdict verdict;
@@ -14,21 +12,13 @@ struct judging {
     const struct hard_options *o;
     struct device *device;
     const struct hard_case *c;
-    char slug[96]; /* of files */
+    char slug[HARD_SLUG]; /* of files */
     struct hard_scene s;
     const struct hard_way *ways;
     unsigned way_count;
     struct truth truth[2]; /* for depths as they are, and quantised */
     struct outcome outcome[HARD_WAYS];
 };
-
-static void make_slug(struct judging *j, const char *family)
-{
-    int length = snprintf(j->slug, sizeof j->slug, "%s_%s", family, j->c->name);
-    for (int i = 0; i < length && i < (int)sizeof j->slug - 1; i++)
-        if (!isalnum((unsigned char)j->slug[i]))
-            j->slug[i] = '_';
-}
 
 static struct stp_plan *plan_of(struct judging *j, const struct stp_scene *scene,
                                 const struct stp_camera *camera, const struct hard_way *way)
@@ -100,59 +90,20 @@ static void judge_twin(struct judging *j, const struct hard_way *way, const stru
     stp_image_destroy(&twin);
 }
 
-static void keep(const struct judging *j, const struct stp_image *image, unsigned way)
-{
-    char path[512];
-    const struct hard_options *o = j->o;
-    if (o->pictures && way == 0) {
-        snprintf(path, sizeof path, "%s/%s.png", o->pictures, j->slug);
-        assert_int_equal(stp_image_write_png(NULL, image, path, 0), STP_OK);
-    }
-    if (!o->write)
-        return;
-    snprintf(path, sizeof path, "%s/%s.%u.exr", o->write, j->slug, way);
-    assert_int_equal(stp_image_write_exr(NULL, image, path, NULL), STP_OK);
-    if (way > 0)
-        return;
-    snprintf(path, sizeof path, "%s/%s.ply", o->write, j->slug);
-    assert_int_equal(stp_scene_save(NULL, j->s.scene, path), STP_OK);
-    snprintf(path, sizeof path, "%s/%s.json", o->write, j->slug);
-    assert_int_equal(stp_camera_save(NULL, path, &j->s.camera), STP_OK);
-}
-
-/* No NaN, no Inf but in Z, no alpha or light below 0, no alpha above 1. */
-static bool sound(const struct stp_image *image)
-{
-    bool right = true;
-    for (unsigned c = 0; c < image->channel_count; c++) {
-        const struct stp_channel *channel = &image->channels[c];
-        bool light = strchr("RGBA", channel->name[0]) && channel->name[1] == 0;
-        for (size_t i = 0; i < (size_t)image->width * image->height; i++) {
-            float v = channel->data.f[i];
-            if (channel->type != STP_CHANNEL_FLOAT || strcmp(channel->name, "Z") == 0)
-                right = right && (channel->type != STP_CHANNEL_FLOAT || !isnan(v));
-            else
-                right = right && isfinite(v) && (!light || v >= 0) &&
-                        (strcmp(channel->name, "A") != 0 || v <= 1);
-        }
-    }
-    return right;
-}
-
 static void one_way(struct judging *j, unsigned w)
 {
     const struct hard_way *way = &j->ways[w];
     struct outcome *out = &j->outcome[w];
     *out = (struct outcome){ .right = true, .verdict.psnr = INFINITY };
     struct stp_image *image = render_way(j, j->s.scene, &j->s.camera, way, out);
-    out->right &= sound(image);
+    out->right &= hard_sound(image);
     if (j->c->check && !hard_approximates(way)) {
         out->truth = j->c->check(&j->s, image);
         out->right &= out->truth <= 1;
     }
     if (j->s.twin)
         judge_twin(j, way, image, out);
-    keep(j, image, w);
+    hard_keep(j->o, &j->s, j->slug, image, w);
     stp_image_destroy(&image);
     const struct verdict *v = &out->verdict;
     if (!out->right || getenv("STP_TEST_VERDICTS"))
@@ -215,7 +166,7 @@ void hard_judge(const struct hard_options *o, struct device *device, const char 
 {
     struct judging j = { .o = o, .device = device, .c = c };
     bool right = true;
-    make_slug(&j, family);
+    hard_slug(family, c, j.slug);
     c->make(o, &j.s);
     j.ways = hard_ways_of(j.s.scene, &j.way_count);
     hard_group(j.s.scene);

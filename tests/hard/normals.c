@@ -118,12 +118,12 @@ static const struct hard_case cases[] = {
       "Lengths do not matter; what is no direction is estimated from its neighbours and counted: "
       "the "
       "sphere's normals to a disc and a half",
-      damaged, check_normals, 45, 0, 0, 0, NULL },
+      damaged, check_normals, 45, 0, 0, 0, NULL, HARD_PYRAMID_SURFACE },
     { "Inward normals, closed surface", "Turned to the eye: the sphere's normals to a disc",
-      inward_closed, check_normals, 45, 0, 0, 0, NULL },
+      inward_closed, check_normals, 45, 0, 0, 0, NULL, HARD_PYRAMID_SURFACE },
     { "Inward normals, open surface", "Turned to the eye, whichever side it sees", inward_open,
-      check_normals, 45, 0, 0, 0, NULL },
+      check_normals, 45, 0, 0, 0, NULL, HARD_PYRAMID_SURFACE },
     { "No normals", "Estimated and oriented: the sphere's normals to a disc and a half", none,
-      check_normals, 45, 0, 0, 0, NULL },
+      check_normals, 45, 0, 0, 0, NULL, HARD_PYRAMID_SURFACE },
 };
 const struct hard_family hard_normals = { "normals", cases, sizeof cases / sizeof *cases };

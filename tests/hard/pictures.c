@@ -43,11 +43,12 @@ static void sixteen_thousand(const struct hard_options *o, struct hard_scene *s)
 }
 
 static const struct hard_case cases[] = {
-    { "A 1x1 picture", "To rounding", one_by_one, NULL, 40, 0, 0, 0, NULL },
-    { "A 1xN picture", "To rounding", column, NULL, 40, 0, 0, 0, NULL },
-    { "An Nx1 picture", "To rounding", row, NULL, 40, 0, 0, 0, NULL },
-    { "Odd sizes", "To rounding: blocks of 8 x 8 stop at the edge", odd, NULL, 45, 0, 0, 0, NULL },
+    { "A 1x1 picture", "To rounding", one_by_one, NULL, 40, 0, 0, 0, NULL, HARD_PYRAMID_SURFACE },
+    { "A 1xN picture", "To rounding", column, NULL, 40, 0, 0, 0, NULL, HARD_PYRAMID_SURFACE },
+    { "An Nx1 picture", "To rounding", row, NULL, 40, 0, 0, 0, NULL, HARD_PYRAMID_POINTS },
+    { "Odd sizes", "To rounding: blocks of 8 x 8 stop at the edge", odd, NULL, 45, 0, 0, 0, NULL,
+      HARD_PYRAMID_SURFACE },
     { "A 16k wide picture", "To rounding at 16384 columns", sixteen_thousand, NULL, 45, 0, 0, 0,
-      NULL },
+      NULL, HARD_PYRAMID_POINTS },
 };
 const struct hard_family hard_pictures = { "pictures", cases, sizeof cases / sizeof *cases };

@@ -121,7 +121,7 @@ static void dense(const struct hard_options *o, struct device *device)
 }
 
 static const struct hard_case cases[] = {
-    { "Samples converge", "", NULL, NULL, 0, 0, 0, 0, converging },
-    { "A dense cloud does not sparkle", "", NULL, NULL, 0, 0, 0, 0, dense },
+    { "Samples converge", "", NULL, NULL, 0, 0, 0, 0, converging, HARD_PYRAMID_POINTS },
+    { "A dense cloud does not sparkle", "", NULL, NULL, 0, 0, 0, 0, dense, HARD_PYRAMID_POINTS },
 };
 const struct hard_family hard_samples = { "samples", cases, sizeof cases / sizeof *cases };

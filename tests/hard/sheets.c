@@ -55,10 +55,10 @@ static double check(const struct hard_scene *s, const struct stp_image *image)
 static const struct hard_case cases[] = {
     { "Two sheets half of epsilon apart",
       "Half of each, at half the depth: epsilon says that they are one surface", closer, check, 0,
-      0, 0, 0, NULL },
+      0, 0, 0, NULL, HARD_PYRAMID_SURFACE },
     { "Two sheets at epsilon", "Both count, exactly: depth <= d + epsilon includes its end",
-      at_epsilon, check, 0, 0, 0, 1, NULL },
+      at_epsilon, check, 0, 0, 0, 1, NULL, HARD_PYRAMID_SURFACE },
     { "Two sheets 17/16 of epsilon apart", "The nearer alone, without a trace of the other",
-      farther, check, 0, 0, 0, 0, NULL },
+      farther, check, 0, 0, 0, 0, NULL, HARD_PYRAMID_SURFACE },
 };
 const struct hard_family hard_sheets = { "sheets", cases, sizeof cases / sizeof *cases };

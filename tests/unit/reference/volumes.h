@@ -51,6 +51,38 @@ static inline struct stp_scene *block_scene(const uint32_t dims[3], const double
     return scene;
 }
 
+/* A grid of the dims about `middle`, of random values from 0 to 1; of many voxels three in ten are
+ * empty. */
+static inline struct stp_scene *random_volume_scene(uint32_t seed, const uint32_t dims[3],
+                                                    const double spacing[3], const double middle[3],
+                                                    const struct transfer_function *function)
+{
+    size_t count = (size_t)dims[0] * dims[1] * dims[2];
+    float *value = malloc(count * sizeof *value);
+    struct stp_volume volume = { .value = value };
+    assert_non_null(value);
+    for (size_t i = 0; i < count; i++)
+        value[i] = count > 64 && uniform(&seed) < 0.3 ? NAN : (float)uniform(&seed);
+    for (int axis = 0; axis < 3; axis++) {
+        volume.dims[axis] = dims[axis];
+        volume.spacing[axis] = spacing[axis];
+        volume.origin[axis] = middle[axis] - 0.5 * (dims[axis] - 1) * spacing[axis];
+    }
+    struct stp_scene *scene = volume_scene(&volume, function);
+    free(value);
+    return scene;
+}
+
+/* One more kernel before what five sums hold: premultiplied colour, alpha, and depth by alpha. */
+static inline void composite_over(const struct medium *medium, const struct medium_fragment *f,
+                                  double sum[5])
+{
+    const double *c = medium->shaded[f->kernel];
+    const double own[5] = { c[0], c[1], c[2], 1, f->depth };
+    for (int n = 0; n < 5; n++)
+        sum[n] = f->alpha * own[n] + (1 - f->alpha) * sum[n];
+}
+
 static inline struct stp_image *render_volume(const struct stp_scene *scene,
                                               const struct stp_camera *camera,
                                               const struct stp_render_params *params)
