@@ -30,7 +30,8 @@ static enum stp_result read_picture(const struct buffer *b, enum range_plane pla
 {
     struct stp_env env = quiet(lines);
     unsigned char *copy = malloc(b->size ? b->size : 1);
-    memcpy(copy, b->data, b->size);
+    if (b->size)
+        memcpy(copy, b->data, b->size);
     const struct file_bytes bytes = { .data = copy, .size = b->size };
     enum stp_result result = range_image_from_bytes(&env, "picture", &bytes, plane, image);
     free(copy);
