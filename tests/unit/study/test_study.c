@@ -58,6 +58,8 @@ static void configurations(void **state)
         assert_int_equal(all[i].overlap > 0, all[i].method == STP_METHOD_DEFERRED);
         assert_int_equal(all[i].transparency, STP_TRANSPARENCY_AUTO);
     }
+    struct study_config quick[STUDY_MAX_CONFIGS];
+    assert_true(study_configs(&facts, true, quick) < count / 2);
     assert_int_equal(deferred, 45);
     assert_int_equal(baseline, 2);
 }
