@@ -7,6 +7,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "plan/fit.h"
+#include "plan/profile.h"
 #include "record/record.h"
 #include "report/report.h"
 
@@ -129,12 +130,15 @@ static enum stp_result run_scene(struct calibrating *c, const struct calibrate_s
 
 static void fit(const struct calibrating *c, struct stp_calibration *calibration)
 {
+    struct stp_calibration known;
+    calibration_built_in(&known);
     *calibration = (struct stp_calibration){ .measured = true };
     for (unsigned kind = 0; kind < PLAN_COSTS; kind++) {
         const struct rows *rows = &c->rows[kind];
         if (rows->count == 0)
             continue;
-        fit_prices(rows->count, PLAN_TERMS, rows->amount, rows->ns, calibration->ns[kind]);
+        fit_prices(rows->count, PLAN_TERMS, rows->amount, rows->ns, known.ns[kind],
+                   calibration->ns[kind]);
         for (unsigned i = 0; i < rows->count; i++) {
             double ns = 0;
             for (int t = 0; t < PLAN_TERMS; t++)
