@@ -12,6 +12,8 @@
   tools/bench_auto.py reports DIR FILE...
                                         the whole `stipple report` of every model, into DIR/report-MODEL
 
+auto and bounds take --opacity A: both faces of a transparent scene.
+
 auto and reports: 1024 x 1024, back faces culled, no screen-space floor, the automatic view. Where the
 device was calibrated its own prices are used (stipple devices --calibrate), else the built-in ones.
 """
@@ -44,6 +46,10 @@ def way(pick, prefix=""):
         words.append(pick[prefix + "voronoi"])
     if pick[prefix + "payload"]:
         words.append(pick[prefix + "payload"])
+    if pick[prefix + "transparency"] not in ("", words[0]):
+        words.append(pick[prefix + "transparency"])
+    if pick[prefix + "peel_layers"]:
+        words.append(pick[prefix + "peel_layers"] + " layers")
     return " ".join(words)
 
 
@@ -57,13 +63,13 @@ def verdict(pick):
     return f"{ms / best:.2f}" + ("" if near else " **slower**"), near
 
 
-def auto(models, rounds):
+def auto(models, rounds, more):
     print("| model | bound | taken | ms, predicted | ms | error, at most | error | fastest within the "
           "bound | ms | ratio |\n|---|---:|---|---:|---:|---:|---:|---|---:|---:|")
     total = near = kept = 0
     for model in models:
         with tempfile.TemporaryDirectory() as folder:
-            stipple("report", model, "-o", folder, "--quick", "--rounds", str(rounds), *VIEW)
+            stipple("report", model, "-o", folder, "--quick", "--rounds", str(rounds), *VIEW, *more)
             with open(os.path.join(folder, "auto.csv"), newline="", encoding="ascii") as file:
                 picks = list(csv.DictReader(file))
         for pick in picks:
@@ -92,22 +98,23 @@ def taken(text):
     """From the plan's text: what was taken, and the error that was predicted."""
     why = re.search(r"^why: (.*)$", text, re.M).group(1)
     overlap = re.search(r"(\d+) groups at overlap ([0-9.]+)", why)
-    words = re.search(r"^method (\S+), path (\S+),", text, re.M).groups()
+    words = list(re.search(r"^method (\S+), path (\S+),", text, re.M).groups())
+    layers = re.search(r"peel is .*: the (\d+) nearest layers", why)
     most = re.search(r"error at most ([-0-9.e]+)\)", why)
     packed = " packed" if re.search(r" packed=1", text) else ""
-    groups = f" c {overlap[2]}, K = {overlap[1]}" if overlap else ""
+    groups = f" c {overlap[2]}, K = {overlap[1]}" if overlap else f" peel {layers[1]}" if layers else ""
     return " ".join(words) + packed + groups, most[1] if most else "-"
 
 
-def bounds(models):
+def bounds(models, more):
     print("| model | bound | taken | error, at most | error |\n|---|---:|---|---:|---:|")
     total = kept = 0
     for model in models:
         with tempfile.TemporaryDirectory() as folder:
             truth, out, stats = (os.path.join(folder, n) for n in ["t.exr", "o.exr", "s.json"])
-            stipple("render", model, "-o", truth, "--method", "reference", *SMALL)
+            stipple("render", model, "-o", truth, "--method", "reference", *SMALL, *more)
             for bound in BOUNDS:
-                stipple("render", model, "-o", out, "--max-error", bound, "--stats", stats, *SMALL)
+                stipple("render", model, "-o", out, "--max-error", bound, "--stats", stats, *SMALL, *more)
                 with open(stats, encoding="utf-8") as file:
                     what, most = taken(json.load(file)["plan"])
                 error = json.loads(stipple("compare", "--json", out, truth))["covered"]
@@ -200,11 +207,13 @@ def main():
     parser.add_argument("arguments", nargs="+", metavar="FILE")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--method", default="exact", help="of features (default: exact)")
+    parser.add_argument("--opacity", help="of auto and bounds: everything is so transparent")
     options = parser.parse_args()
+    more = ["--opacity", options.opacity, "--cull", "none"] if options.opacity else []
     if options.what == "auto":
-        auto(options.arguments, options.rounds)
+        auto(options.arguments, options.rounds, more)
     elif options.what == "bounds":
-        bounds(options.arguments)
+        bounds(options.arguments, more)
     elif options.what == "features":
         features(options.arguments[0], options.method, options.rounds)
     else:

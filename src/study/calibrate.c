@@ -12,11 +12,13 @@
 #include "report/report.h"
 
 #define ROUNDS     2 /* far enough apart that what disturbs one may spare the other */
-#define TIMED      3
-#define MOST_TIMED 10
-#define ENOUGH     60 /* milliseconds */
+#define TIMED      2
+#define MOST_TIMED 8
+#define ENOUGH     40 /* milliseconds */
 #define LINE_SIZE  512
 #define MOST_ROWS  64 /* of a kind */
+#define MOST_KEPT  128
+#define CELLS      64 /* of a probe that counts layers */
 
 struct rows {
     unsigned count, at; /* at: the next of this round */
@@ -24,32 +26,72 @@ struct rows {
     double amount[MOST_ROWS * PLAN_TERMS], ns[MOST_ROWS];
 };
 
+/* Compiling takes longer than the frames: what one frame compiled serves others. */
+struct kept {
+    struct stp_plan *plan;
+    struct record_pipelines *pipelines;
+};
+
+/* A scene, ready for both rounds. */
+struct bed {
+    struct stp_scene *scene;
+    struct stp_camera camera;
+    struct stp_render_params params;
+    struct survey survey;
+    bool colored;
+};
+
 struct calibrating {
     const struct stp_env *env;
     struct stp_env quiet;
     struct stp_context *context;
     struct rows *rows; /* one a kind */
-    struct stp_scene *scene;
-    bool colored;
-    struct stp_camera camera;
-    struct survey survey;
+    struct bed *bed;   /* one a scene */
+    unsigned kept_count;
+    struct kept kept[MOST_KEPT];
     char line[LINE_SIZE];
 };
 
-/* The least of a few frames: what disturbs a frame only lengthens it. */
-static enum stp_result time_plan(struct calibrating *c, const struct stp_plan *plan, double *ms)
+static struct record_pipelines *find_kept(const struct calibrating *c, const struct stp_plan *plan)
 {
-    struct record_frame frame;
-    double each, unused, spent = 0;
-    enum stp_result result = record_frame_create(&c->quiet, c->context, plan, &frame);
+    for (unsigned i = 0; i < c->kept_count; i++)
+        if (record_pipelines_serve(c->kept[i].plan, plan))
+            return c->kept[i].pipelines;
+    return NULL;
+}
+
+static enum stp_result keep_pipelines(struct calibrating *c, struct record_frame *frame)
+{
+    struct kept *kept = &c->kept[c->kept_count];
+    if (c->kept_count == MOST_KEPT)
+        return STP_OK;
+    enum stp_result result = plan_copy(&c->quiet, frame->plan, &kept->plan);
     if (result != STP_OK)
         return result;
-    result = record_upload(&c->quiet, &frame, c->scene);
+    kept->pipelines = record_pipelines_hold(frame);
+    c->kept_count++;
+    return STP_OK;
+}
+
+/* The least of a few frames: what disturbs a frame only lengthens it. */
+static enum stp_result time_plan(struct calibrating *c, const struct bed *bed,
+                                 const struct stp_plan *plan, double *ms)
+{
+    struct record_frame frame;
+    struct record_pipelines *known = find_kept(c, plan);
+    double each, unused, spent = 0;
+    enum stp_result result = record_frame_create(&c->quiet, c->context, plan, known, &frame);
+    if (result != STP_OK)
+        return result;
+    if (!known)
+        result = keep_pipelines(c, &frame);
     if (result == STP_OK)
-        result = record_run(&c->quiet, &frame, c->scene, NULL, &each, &unused); /* compiles */
+        result = record_upload(&c->quiet, &frame, bed->scene);
+    if (result == STP_OK) /* compiles, and touches the memory */
+        result = record_run(&c->quiet, &frame, bed->scene, NULL, &each, &unused);
     *ms = INFINITY;
     for (unsigned i = 0; result == STP_OK && i < MOST_TIMED && (i < TIMED || spent < ENOUGH); i++) {
-        result = record_run(&c->quiet, &frame, c->scene, NULL, &each, &unused);
+        result = record_run(&c->quiet, &frame, bed->scene, NULL, &each, &unused);
         *ms = fmin(*ms, each);
         spent += each;
     }
@@ -57,17 +99,17 @@ static enum stp_result time_plan(struct calibrating *c, const struct stp_plan *p
     return result;
 }
 
-static enum stp_result add_row(struct calibrating *c, const struct stp_plan *plan,
-                               bool seen[PLAN_COSTS])
+static enum stp_result add_row(struct calibrating *c, const struct bed *bed,
+                               const struct stp_plan *plan, bool seen[PLAN_COSTS])
 {
     double amount[PLAN_TERMS] = { 0 }, ms = 0;
-    enum plan_cost kind = plan_offer_of(plan->method)->cost(plan, &c->survey, amount);
+    enum plan_cost kind = plan_offer_of(plan)->cost(plan, &bed->survey, amount);
     struct rows *rows = &c->rows[kind];
-    if (seen[kind] || rows->at == MOST_ROWS || (c->colored && rows->plain))
+    if (seen[kind] || rows->at == MOST_ROWS || (bed->colored && rows->plain))
         return STP_OK;
     seen[kind] = true;
-    rows->plain = rows->plain || !c->colored;
-    enum stp_result result = time_plan(c, plan, &ms);
+    rows->plain = rows->plain || !bed->colored;
+    enum stp_result result = time_plan(c, bed, plan, &ms);
     if (result != STP_OK)
         return result;
     for (int t = 0; t < PLAN_TERMS; t++)
@@ -83,49 +125,91 @@ static void swallow(void *user, enum stp_log_level level, const char *line)
 {
 }
 
+static struct stp_render_params params_of(const struct bed *bed, const struct plan_candidate *way)
+{
+    struct stp_render_params p = bed->params;
+    p.method = way->method;
+    p.path = way->path;
+    p.payload = way->payload;
+    p.voronoi = way->overlap > 0 ? way->voronoi : p.voronoi;
+    p.transparency = way->transparency;
+    p.peel_layers = way->layers;
+    return p;
+}
+
 /* Each kind once a scene, in the scene's own grouping. */
-static enum stp_result run_candidates(struct calibrating *c, const struct stp_render_params *params)
+static enum stp_result run_offer(struct calibrating *c, const struct bed *bed,
+                                 const struct plan_offer *offer, bool seen[PLAN_COSTS])
 {
     const struct stp_env silent = { .threads = c->quiet.threads, .log = swallow };
-    bool seen[PLAN_COSTS] = { false };
+    struct plan_candidate way[PLAN_MAX_OFFERED];
+    unsigned count = offer->candidates(way);
     enum stp_result result = STP_OK;
-    for (unsigned o = 0; o < plan_offer_count; o++) {
-        struct plan_candidate way[PLAN_MAX_OFFERED];
-        unsigned count = plan_offers[o]->candidates(way);
-        for (unsigned i = 0; result == STP_OK && i < count; i++) {
-            struct stp_plan *plan = NULL;
-            struct stp_render_params p = *params;
-            p.method = way[i].method;
-            p.path = way[i].path;
-            p.payload = way[i].payload;
-            p.voronoi = way[i].overlap > 0 ? way[i].voronoi : p.voronoi;
-            /* What does not apply has no price. */
-            result = stp_plan_create(&silent, c->scene, &c->camera, &p, &c->context->limits, &plan);
-            if (result == STP_OK)
-                result = add_row(c, plan, seen);
-            else if (result == STP_ERROR_FEATURE || result == STP_ERROR_ARGUMENT)
-                result = STP_OK;
-            stp_plan_destroy(&plan);
-        }
+    if ((offer->transparency != STP_TRANSPARENCY_AUTO) != bed->scene->facts.transparent)
+        return STP_OK;
+    for (unsigned i = 0; result == STP_OK && i < count; i++) {
+        struct stp_plan *plan = NULL;
+        struct stp_render_params p = params_of(bed, &way[i]);
+        /* What does not apply has no price. */
+        result = stp_plan_create(&silent, bed->scene, &bed->camera, &p, &c->context->limits, &plan);
+        if (result == STP_OK)
+            result = add_row(c, bed, plan, seen);
+        else if (result == STP_ERROR_FEATURE || result == STP_ERROR_ARGUMENT)
+            result = STP_OK;
+        stp_plan_destroy(&plan);
     }
     return result;
 }
 
-static enum stp_result run_scene(struct calibrating *c, const struct calibrate_scene *what)
+static enum stp_result run_bed(struct calibrating *c, const struct bed *bed)
 {
-    /* One sphere shows its front; several, all they have. */
-    struct stp_render_params params = { .min_splat = -1,
-                                        .cull = what->shells > 1 ? STP_CULL_NONE : STP_CULL_BACK };
-    c->colored = what->color;
-    enum stp_result result = calibrate_scene_make(&c->quiet, what, &c->scene, &c->camera);
+    bool seen[PLAN_COSTS] = { false };
+    enum stp_result result = STP_OK;
+    for (unsigned o = 0; result == STP_OK && o < plan_offer_count; o++)
+        result = run_offer(c, bed, plan_offers[o], seen);
+    return result;
+}
+
+static enum stp_result count_layers(struct calibrating *c, struct bed *bed)
+{
+    struct probe probe;
+    enum stp_result result =
+        probe_make(&c->quiet, bed->scene, &bed->camera, &bed->params, &bed->survey, CELLS, &probe);
     if (result != STP_OK)
         return result;
-    result = survey_make(&c->quiet, c->scene, &c->camera, &params, &c->survey);
+    bed->survey.layers = probe.layers;
+    probe_release(&probe);
+    return STP_OK;
+}
+
+static enum stp_result make_bed(struct calibrating *c, const struct calibrate_scene *what,
+                                struct bed *bed)
+{
+    /* One sphere shows its front; several, or a clear one, all they have. */
+    bool whole = what->shells > 1 || what->opacity > 0;
+    *bed = (struct bed){ .colored = what->color };
+    bed->params = (struct stp_render_params){ .min_splat = -1,
+                                              .cull = whole ? STP_CULL_NONE : STP_CULL_BACK };
+    enum stp_result result = calibrate_scene_make(&c->quiet, what, &bed->scene, &bed->camera);
     if (result == STP_OK)
-        result = run_candidates(c, &params);
-    survey_release(&c->survey);
-    stp_scene_destroy(&c->scene);
+        result = survey_make(&c->quiet, bed->scene, &bed->camera, &bed->params, &bed->survey);
+    if (result == STP_OK && what->opacity > 0)
+        result = count_layers(c, bed);
     return result;
+}
+
+static void release(struct calibrating *c, unsigned count)
+{
+    for (unsigned i = 0; c->bed && i < count; i++) {
+        survey_release(&c->bed[i].survey);
+        stp_scene_destroy(&c->bed[i].scene);
+    }
+    for (unsigned i = 0; i < c->kept_count; i++) {
+        record_pipelines_leave(c->context, c->kept[i].pipelines);
+        stp_plan_destroy(&c->kept[i].plan);
+    }
+    mem_free(c->bed);
+    mem_free(c->rows);
 }
 
 static void fit(const struct calibrating *c, struct stp_calibration *calibration)
@@ -166,14 +250,20 @@ enum stp_result calibrate_measure(const struct stp_env *env, struct stp_context 
     c.quiet =
         (struct stp_env){ .threads = env ? env->threads : 0, .log = keep_line, .user = c.line };
     c.rows = mem_zalloc(PLAN_COSTS, sizeof *c.rows);
-    if (!c.rows)
+    c.bed = mem_zalloc(count, sizeof *c.bed);
+    if (!c.rows || !c.bed) {
+        release(&c, 0);
         return log_no_memory(env, PLAN_COSTS * sizeof *c.rows, "the calibration");
+    }
     context->env = &c.quiet;
     for (unsigned i = 0; result == STP_OK && i < ROUNDS * count; i++) {
         log_progress(env, "calibrate", (double)i / (ROUNDS * count));
         for (unsigned kind = 0; i % count == 0 && kind < PLAN_COSTS; kind++)
             c.rows[kind].at = 0;
-        result = run_scene(&c, &scenes[i % count]);
+        if (i < count)
+            result = make_bed(&c, &scenes[i], &c.bed[i]);
+        if (result == STP_OK)
+            result = run_bed(&c, &c.bed[i % count]);
     }
     context->env = NULL;
     if (result == STP_OK)
@@ -181,7 +271,7 @@ enum stp_result calibrate_measure(const struct stp_env *env, struct stp_context 
     else
         log_error(env, result, "calibrating %s: %s", context->limits.device,
                   c.line[0] ? c.line : stp_result_text(result));
-    mem_free(c.rows);
+    release(&c, count);
     return result;
 }
 

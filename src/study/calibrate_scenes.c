@@ -9,17 +9,25 @@
 /* What a fit has to tell apart: splats that are many or large, pictures that are full or empty, few
  * layers or many, a few fragments a pixel or more than slots. */
 const struct calibrate_scene calibrate_scenes[] = {
-    { 16000, 384, 4, 0.9, 1, 0.4, false },    { 16000, 384, 4, 0.9, 1, 1, false },
-    { 300000, 640, 1.5, 0.9, 1, 0.6, false }, { 60000, 512, 2.5, 0.5, 1, 0.4, false },
-    { 1200, 512, 20, 0.9, 1, 0.4, false },    { 3000, 512, 12, 0.9, 1, 0.6, false },
-    { 150, 384, 90, 0.9, 1, 0.6, false },     { 10000, 1024, 3, 0.3, 1, 0.8, false },
-    { 20000, 1024, 6, 0.9, 1, 0.4, false },   { 16000, 256, 5, 0.9, 4, 0.4, false },
-    { 8000, 128, 10, 0.7, 3, 0.4, false },    { 16000, 384, 4, 0.9, 1, 0.4, true },
-    { 300000, 640, 1.5, 0.9, 1, 0.6, true },  { 60000, 512, 2.5, 0.5, 1, 0.4, true },
-    { 1200, 512, 20, 0.9, 1, 0.4, true },     { 3000, 512, 12, 0.9, 1, 0.6, true },
-    { 150, 384, 90, 0.9, 1, 0.6, true },      { 10000, 1024, 3, 0.3, 1, 0.8, true },
-    { 20000, 1024, 6, 0.9, 1, 0.4, true },    { 16000, 256, 5, 0.9, 4, 0.4, true },
-    { 8000, 128, 10, 0.7, 3, 0.4, true },
+    { 16000, 384, 4, 0.9, 1, 0.4, false, 0 },    { 16000, 384, 4, 0.9, 1, 1, false, 0 },
+    { 300000, 640, 1.5, 0.9, 1, 0.6, false, 0 }, { 60000, 512, 2.5, 0.5, 1, 0.4, false, 0 },
+    { 1200, 512, 20, 0.9, 1, 0.4, false, 0 },    { 3000, 512, 12, 0.9, 1, 0.6, false, 0 },
+    { 150, 384, 90, 0.9, 1, 0.6, false, 0 },     { 10000, 1024, 3, 0.3, 1, 0.8, false, 0 },
+    { 20000, 1024, 6, 0.9, 1, 0.4, false, 0 },   { 16000, 256, 5, 0.9, 4, 0.4, false, 0 },
+    { 8000, 128, 10, 0.7, 3, 0.4, false, 0 },    { 16000, 384, 4, 0.9, 1, 0.4, true, 0 },
+    { 300000, 640, 1.5, 0.9, 1, 0.6, true, 0 },  { 60000, 512, 2.5, 0.5, 1, 0.4, true, 0 },
+    { 1200, 512, 20, 0.9, 1, 0.4, true, 0 },     { 3000, 512, 12, 0.9, 1, 0.6, true, 0 },
+    { 150, 384, 90, 0.9, 1, 0.6, true, 0 },      { 10000, 1024, 3, 0.3, 1, 0.8, true, 0 },
+    { 20000, 1024, 6, 0.9, 1, 0.4, true, 0 },    { 16000, 256, 5, 0.9, 4, 0.4, true, 0 },
+    { 8000, 128, 10, 0.7, 3, 0.4, true, 0 },     { 16000, 384, 4, 0.9, 1, 0, false, 0.4 },
+    { 200000, 512, 1.5, 0.9, 1, 0, false, 0.4 }, { 1200, 512, 20, 0.9, 2, 0, false, 0.4 },
+    { 150, 256, 60, 0.9, 1, 0, false, 0.4 },     { 10000, 1024, 3, 0.3, 2, 0, false, 0.4 },
+    { 20000, 768, 6, 0.9, 2, 0, false, 0.4 },    { 16000, 256, 5, 0.9, 4, 0, false, 0.4 },
+    { 8000, 128, 10, 0.7, 3, 0, false, 0.4 },    { 16000, 384, 4, 0.9, 1, 0, true, 0.4 },
+    { 200000, 512, 1.5, 0.9, 1, 0, true, 0.4 },  { 1200, 512, 20, 0.9, 2, 0, true, 0.4 },
+    { 150, 256, 60, 0.9, 1, 0, true, 0.4 },      { 10000, 1024, 3, 0.3, 2, 0, true, 0.4 },
+    { 20000, 768, 6, 0.9, 2, 0, true, 0.4 },     { 16000, 256, 5, 0.9, 4, 0, true, 0.4 },
+    { 8000, 128, 10, 0.7, 3, 0, true, 0.4 },
 };
 const unsigned calibrate_scene_count = sizeof calibrate_scenes / sizeof *calibrate_scenes;
 
@@ -68,7 +76,8 @@ static enum stp_result add_points(const struct stp_env *env, const struct calibr
                                      .normal = (const float(*)[3])a.normal,
                                      .radius = a.radius,
                                      .color = what->color ? (const float(*)[3])a.color : NULL };
-        result = stp_scene_add_points(env, scene, &points, NULL);
+        struct stp_object_params object = { .opacity = (float)what->opacity };
+        result = stp_scene_add_points(env, scene, &points, &object);
     }
     mem_free(a.position);
     mem_free(a.normal);
@@ -77,11 +86,18 @@ static enum stp_result add_points(const struct stp_env *env, const struct calibr
     return result;
 }
 
+/* A few counts for all scenes: shaders are compiled for a count of groups. */
+static unsigned groups_of(double overlap)
+{
+    return overlap < 0.5 ? 4 : overlap < 0.7 ? 6 : overlap < 0.9 ? 9 : 14;
+}
+
 enum stp_result calibrate_scene_make(const struct stp_env *env, const struct calibrate_scene *what,
                                      struct stp_scene **scene, struct stp_camera *camera)
 {
     struct stp_scene *made = NULL;
-    struct stp_group_params group = { .overlap = what->overlap };
+    struct stp_group_params group = { .overlap = what->overlap,
+                                      .max_groups = groups_of(what->overlap) };
     struct stp_prepare_params prepare = { .two_sided = STP_OFF };
     double half = what->size / 2.0, sphere = what->fill * DISTANCE / FOCAL;
     enum stp_result result = stp_scene_create(env, &made);
@@ -89,7 +105,7 @@ enum stp_result calibrate_scene_make(const struct stp_env *env, const struct cal
         result = add_points(env, what, sphere, made);
     if (result == STP_OK)
         result = stp_scene_prepare(env, made, &prepare);
-    if (result == STP_OK)
+    if (result == STP_OK && what->overlap > 0)
         result = stp_scene_group(env, made, &group);
     if (result != STP_OK) {
         stp_scene_destroy(&made);

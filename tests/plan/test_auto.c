@@ -61,7 +61,7 @@ static double whole_error(const struct inputs *in, const struct stp_choice *choi
                      STP_OK);
     assert_int_equal(
         stp_plan_create(NULL, in->scene, &in->camera, &choice->params, &in->limits, &plan), STP_OK);
-    assert_int_equal(probe_judge(NULL, &probe, plan, plan_offer_of(plan->method)->keep,
+    assert_int_equal(probe_judge(NULL, &probe, plan, plan_offer_of(plan)->keep,
                                  in->scene->splats.group, false, &error),
                      STP_OK);
     stp_plan_destroy(&plan);

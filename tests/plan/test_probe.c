@@ -95,7 +95,7 @@ static struct stp_plan *plan_for(const struct bed *bed, enum stp_method method,
 static struct probe_error judge_of(const struct bed *bed, const struct stp_plan *plan)
 {
     struct probe_error error;
-    const struct plan_offer *offer = plan_offer_of(plan->method);
+    const struct plan_offer *offer = plan_offer_of(plan);
     assert_int_equal(
         probe_judge(NULL, &bed->probe, plan, offer->keep, bed->scene->splats.group, false, &error),
         STP_OK);
