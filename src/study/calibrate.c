@@ -10,6 +10,7 @@
 #include "plan/profile.h"
 #include "record/record.h"
 #include "report/report.h"
+#include "study/study.h"
 
 #define ROUNDS     2 /* far enough apart that what disturbs one may spare the other */
 #define TIMED      2
@@ -223,13 +224,8 @@ static void fit(const struct calibrating *c, struct stp_calibration *calibration
             continue;
         fit_prices(rows->count, PLAN_TERMS, rows->amount, rows->ns, known.ns[kind],
                    calibration->ns[kind]);
-        for (unsigned i = 0; i < rows->count; i++) {
-            double ns = 0;
-            for (int t = 0; t < PLAN_TERMS; t++)
-                ns += rows->amount[i * PLAN_TERMS + t] * calibration->ns[kind][t];
-            log_info(c->env, "calibration: %s, row %u: measured %.3g ms, fitted %.3g",
-                     plan_cost_name(kind), i, rows->ns[i] * 1e-6, ns * 1e-6);
-        }
+        for (unsigned i = 0; i < rows->count; i++)
+            study_log_amounts(c->env, kind, &rows->amount[i * PLAN_TERMS], rows->ns[i] * 1e-6);
     }
 }
 
