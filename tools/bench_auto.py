@@ -11,6 +11,8 @@
                                         all but the milliseconds
   tools/bench_auto.py reports DIR FILE...
                                         the whole `stipple report` of every model, into DIR/report-MODEL
+  tools/bench_auto.py prices FILE...    the table of src/plan/profile.c from a profile that `stipple
+                                        devices --calibrate --json` wrote on an idle machine
 
 auto and bounds take --opacity A: both faces of a transparent scene.
 
@@ -200,10 +202,26 @@ def reports(folder, models):
         print(os.path.join(folder, "report-" + name), flush=True)
 
 
+# --- prices ----------------------------------------------------------------------------------------
+
+def prices(profile):
+    with open(profile, encoding="utf-8") as file:
+        kinds = json.load(file)["calibration"]
+    words = {"two-pass compute": "TWO_PASS", "two-pass compute color": "TWO_PASS_COLOR",
+             "peel compute": "PEEL", "peel compute color": "PEEL_COLOR"}
+    for kind, terms in kinds.items():
+        if not isinstance(terms, dict):
+            continue
+        name = words.get(kind, kind.upper().replace(" ", "_").replace("-", "_"))
+        rows = [f"[PLAN_TERM_{term.upper().replace(' ', '_')}] = {price:.3g}" for term, price in
+                terms.items()]
+        print(f"    [PLAN_COST_{name}] = {{ " + ", ".join(rows) + " },")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["auto", "bounds", "features", "reports"])
+    parser.add_argument("what", choices=["auto", "bounds", "features", "prices", "reports"])
     parser.add_argument("arguments", nargs="+", metavar="FILE")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--method", default="exact", help="of features (default: exact)")
@@ -214,6 +232,8 @@ def main():
         auto(options.arguments, options.rounds, more)
     elif options.what == "bounds":
         bounds(options.arguments, more)
+    elif options.what == "prices":
+        prices(options.arguments[0])
     elif options.what == "features":
         features(options.arguments[0], options.method, options.rounds)
     else:

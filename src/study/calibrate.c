@@ -10,10 +10,9 @@
 #include "record/record.h"
 #include "report/report.h"
 
-#define ROUNDS     2 /* far enough apart that what disturbs one may spare the other */
-#define TIMED      2
-#define MOST_TIMED 8
-#define ENOUGH     40 /* milliseconds */
+#define ROUNDS     2  /* far enough apart that what disturbs one may spare the other */
+#define MOST_TIMED 8  /* frames of a visit */
+#define ENOUGH     20 /* milliseconds of them, without what compiles */
 #define LINE_SIZE  512
 #define MOST_ROWS  64 /* of a kind */
 #define MOST_KEPT  128
@@ -87,9 +86,10 @@ static enum stp_result time_plan(struct calibrating *c, const struct bed *bed,
     if (result == STP_OK)
         result = record_upload(&c->quiet, &frame, bed->scene);
     if (result == STP_OK) /* compiles, and touches the memory */
-        result = record_run(&c->quiet, &frame, bed->scene, NULL, &each, &unused);
-    *ms = INFINITY;
-    for (unsigned i = 0; result == STP_OK && i < MOST_TIMED && (i < TIMED || spent < ENOUGH); i++) {
+        result = record_run(&c->quiet, &frame, bed->scene, NULL, ms, &unused);
+    if (known)
+        spent = *ms;
+    for (unsigned i = 0; result == STP_OK && i < MOST_TIMED && spent < ENOUGH; i++) {
         result = record_run(&c->quiet, &frame, bed->scene, NULL, &each, &unused);
         *ms = fmin(*ms, each);
         spent += each;
@@ -184,12 +184,16 @@ static enum stp_result count_layers(struct calibrating *c, struct bed *bed)
 static enum stp_result make_bed(struct calibrating *c, const struct calibrate_scene *what,
                                 struct bed *bed)
 {
-    /* One sphere shows its front; several, or a clear one, all they have. */
-    bool whole = what->shells > 1 || what->opacity > 0;
+    struct calibrate_scene grown = *what;
+    if (c->context->limits.processor == 2) { /* whose frames would be too short to tell apart */
+        grown.splats *= 4;
+        grown.size *= 2;
+    }
     *bed = (struct bed){ .colored = what->color };
-    bed->params = (struct stp_render_params){ .min_splat = -1,
-                                              .cull = whole ? STP_CULL_NONE : STP_CULL_BACK };
-    enum stp_result result = calibrate_scene_make(&c->quiet, what, &bed->scene, &bed->camera);
+    bed->params =
+        (struct stp_render_params){ .min_splat = -1,
+                                    .cull = what->opacity > 0 ? STP_CULL_NONE : STP_CULL_BACK };
+    enum stp_result result = calibrate_scene_make(&c->quiet, &grown, &bed->scene, &bed->camera);
     if (result == STP_OK)
         result = survey_make(&c->quiet, bed->scene, &bed->camera, &bed->params, &bed->survey);
     if (result == STP_OK && what->opacity > 0)
