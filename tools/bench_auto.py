@@ -223,6 +223,10 @@ def least_squares(rows):
     return {term: p * s for term, p, s in zip(terms, price, scale) if p > 0}, spread
 
 
+WORDS = {"two-pass compute": "TWO_PASS", "two-pass compute color": "TWO_PASS_COLOR",
+         "peel compute": "PEEL", "peel compute color": "PEEL_COLOR"}
+
+
 def prices(models):
     kinds = {}
     with tempfile.TemporaryDirectory() as folder:
@@ -234,8 +238,10 @@ def prices(models):
             print(" ".join(run), file=sys.stderr, flush=True)
     for kind, rows in kinds.items():
         found, spread = least_squares(rows)
-        print(f"{kind} ({len(rows)} frames, residual {spread:.0%}): " +
-              ", ".join(f"{term} {price:.3g}" for term, price in found.items()), flush=True)
+        name = WORDS.get(kind, kind.upper().replace(" ", "_").replace("-", "_"))
+        print(f"    [PLAN_COST_{name}] = {{ /* {len(rows)} frames, residual {spread:.0%} */ " +
+              ", ".join(f"[PLAN_TERM_{term.upper().replace(' ', '_')}] = {price:.3g}"
+                        for term, price in found.items()) + " },", flush=True)
 
 
 # --- reports ---------------------------------------------------------------------------------------

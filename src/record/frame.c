@@ -1,7 +1,6 @@
 #include "record/record.h"
 
 #include "base/log.h"
-#include "base/memory.h"
 
 /* Outputs that the host cannot read where they are. */
 static enum stp_result make_read_back(const struct stp_env *env, struct record_frame *frame)
@@ -68,12 +67,22 @@ static void write_set(struct record_frame *frame, const struct record_bindings *
 
 static enum stp_result make_descriptors(const struct stp_env *env, struct record_frame *frame)
 {
-    struct record_bindings bindings = record_find_bindings(frame->plan);
+    struct record_bindings bindings = record_bindings(frame->plan);
     VkResult result = make_set(frame, &bindings);
     if (result != VK_SUCCESS)
         return gpu_error(env, result, "making descriptor sets");
     write_set(frame, &bindings);
     return STP_OK;
+}
+
+static enum stp_result take_pipelines(const struct stp_env *env, struct record_frame *frame,
+                                      const struct pass_host *host)
+{
+    enum stp_result result =
+        record_pipelines_take(env, frame->context, frame->plan, host, &frame->pipelines);
+    if (result == STP_OK)
+        frame->resources.layout = frame->pipelines->layout;
+    return result;
 }
 
 static enum stp_result make_queries(const struct stp_env *env, struct record_frame *frame)
@@ -96,8 +105,7 @@ static enum stp_result keep_or_destroy(enum stp_result result, struct record_fra
 }
 
 enum stp_result record_frame_create(const struct stp_env *env, struct stp_context *context,
-                                    const struct stp_plan *plan, struct record_pipelines *pipelines,
-                                    struct record_frame *frame)
+                                    const struct stp_plan *plan, struct record_frame *frame)
 {
     *frame = (struct record_frame){ .plan = plan, .context = context };
     enum stp_result result =
@@ -105,7 +113,7 @@ enum stp_result record_frame_create(const struct stp_env *env, struct stp_contex
     if (result == STP_OK)
         result = make_read_back(env, frame);
     if (result == STP_OK)
-        result = record_pipelines_use(env, frame, pipelines, NULL);
+        result = take_pipelines(env, frame, NULL);
     if (result == STP_OK)
         result = make_descriptors(env, frame);
     if (result == STP_OK)
@@ -140,7 +148,7 @@ enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp
                                          frame->scratch.part.where.memory ? &frame->scratch : NULL,
                                          &frame->resources);
     if (result == STP_OK)
-        result = record_pipelines_use(env, frame, host->pipelines, host);
+        result = take_pipelines(env, frame, &host->pass);
     if (result == STP_OK)
         result = make_descriptors(env, frame);
     return keep_or_destroy(result, frame);
@@ -151,7 +159,8 @@ void record_frame_destroy(struct record_frame *frame)
     struct stp_context *c = frame->context;
     if (!c)
         return;
-    record_pipelines_leave(c, frame->pipelines);
+    if (frame->pipelines)
+        gpu_leave_kept(c, &frame->pipelines->kept);
     if (frame->queries)
         c->vk.vkDestroyQueryPool(c->device, frame->queries, NULL);
     if (frame->resources.pool)

@@ -1,5 +1,5 @@
-/* Pipelines: one a pass, but passes that are compiled alike share theirs; frames of plans that are
- * compiled alike may share them all. */
+/* The pipelines of a plan. Compiling them is most of a cold start, so passes that are alike share
+ * one, and the context keeps those of the last plans for the next that is alike. */
 #include "record/record.h"
 
 #include <string.h>
@@ -8,7 +8,21 @@
 #include "base/memory.h"
 #include "base/thread.h"
 
-struct record_bindings record_find_bindings(const struct stp_plan *plan)
+/* All that pipelines and their layouts depend on; words only, so that bytes can be compared. */
+struct key {
+    uint32_t constant[PLAN_CONSTANTS];
+    uint32_t hosted, color_format, depth_format, reversed, read_only, replace;
+    uint32_t binding[PLAN_SLOTS], type[PLAN_SLOTS];
+    uint32_t pass[PLAN_MAX_PASSES][PASS_KEY_WORDS];
+};
+
+struct keyed {
+    struct record_pipelines pipelines; /* first */
+    struct key key;
+    uint8_t maker[PLAN_MAX_PASSES]; /* the first pass that is alike; its pipeline is all theirs */
+};
+
+struct record_bindings record_bindings(const struct stp_plan *plan)
 {
     struct record_bindings b = { 0 };
     for (uint32_t slot = PLAN_BUFFER_SLOTS; slot < PLAN_SLOTS; slot++) {
@@ -24,8 +38,28 @@ struct record_bindings record_find_bindings(const struct stp_plan *plan)
     return b;
 }
 
-static VkResult make_layouts(struct stp_context *c, struct record_pipelines *p,
-                             const struct record_bindings *b, bool hosted)
+static void fill_key(const struct stp_plan *plan, const struct pass_host *host,
+                     const struct record_bindings *bindings, struct key *key)
+{
+    memcpy(key->constant, plan->constant, sizeof key->constant);
+    if (host) {
+        key->hosted = 1;
+        key->color_format = host->color_format;
+        key->depth_format = host->depth_format;
+        key->reversed = host->depth_reversed;
+        key->read_only = host->depth_read_only;
+        key->replace = host->replace;
+    }
+    for (uint32_t i = 0; i < bindings->count; i++) {
+        key->binding[i] = bindings->binding[i];
+        key->type[i] = bindings->type[i];
+    }
+    for (uint32_t i = 0; i < plan->pass_count; i++)
+        pass_key(plan, &plan->pass[i], key->pass[i]);
+}
+
+static VkResult make_layouts(struct stp_context *c, const struct record_bindings *b, bool hosted,
+                             struct record_pipelines *p)
 {
     VkDescriptorSetLayoutBinding bindings[1 + PLAN_SLOTS] = {
         { 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, PASS_PUSH_STAGES, NULL }
@@ -50,149 +84,70 @@ static VkResult make_layouts(struct stp_context *c, struct record_pipelines *p,
     return c->vk.vkCreatePipelineLayout(c->device, &layout, NULL, &p->layout);
 }
 
-/* Formats of what a draw renders to, in order. */
-static bool same_targets(const struct stp_plan *a, const struct plan_pass *p,
-                         const struct stp_plan *b, const struct plan_pass *q)
-{
-    if (p->access_count != q->access_count)
-        return false;
-    bool same = true;
-    for (unsigned i = 0; same && i < p->access_count; i++) {
-        bool target = p->access[i].kind & PLAN_ATTACHMENT;
-        same = target == ((q->access[i].kind & PLAN_ATTACHMENT) != 0) &&
-               (!target || a->resource[p->access[i].resource].format ==
-                               b->resource[q->access[i].resource].format);
-    }
-    return same;
-}
-
-/* Whether one pipeline does for both, where the plans' constants are the same. */
-static bool same_pass(const struct stp_plan *a, const struct plan_pass *p, const struct stp_plan *b,
-                      const struct plan_pass *q)
-{
-    bool walks = a->method == STP_METHOD_AXIS; /* which specialise by walk and part */
-    return p->kind == q->kind && p->shader == q->shader && p->vertex == q->vertex &&
-           p->raster == q->raster && p->repair == q->repair &&
-           (!walks || (p->layer == q->layer && p->part == q->part)) &&
-           (p->kind != PLAN_DRAW || same_targets(a, p, b, q));
-}
-
-bool record_pipelines_serve(const struct stp_plan *made_for, const struct stp_plan *plan)
-{
-    struct record_bindings a = record_find_bindings(made_for), b = record_find_bindings(plan);
-    bool same = made_for->method == plan->method && made_for->pass_count == plan->pass_count &&
-                memcmp(made_for->constant, plan->constant, sizeof plan->constant) == 0 &&
-                a.count == b.count &&
-                memcmp(a.binding, b.binding, a.count * sizeof *a.binding) == 0 &&
-                memcmp(a.type, b.type, a.count * sizeof *a.type) == 0;
-    for (uint32_t i = 0; same && i < plan->pass_count; i++)
-        same = same_pass(made_for, &made_for->pass[i], plan, &plan->pass[i]);
-    return same;
-}
-
-/* The first pass that is compiled as this one is. */
-static uint32_t first_alike(const struct stp_plan *plan, uint32_t pass)
-{
-    uint32_t i = 0;
-    while (i < pass && !same_pass(plan, &plan->pass[i], plan, &plan->pass[pass]))
-        i++;
-    return i;
-}
-
 struct making {
-    struct record_frame *frame;
+    struct stp_context *context;
+    const struct stp_plan *plan;
+    struct keyed *made;
     enum stp_result result[PLAN_MAX_PASSES];
 };
+
+static enum stp_result make_one(const struct stp_env *env, const struct making *m, size_t pass)
+{
+    struct record_pipelines *p = &m->made->pipelines;
+    return pass_pipeline(env, m->context, m->plan, &m->plan->pass[pass], p->layout,
+                         &p->pipeline[pass]);
+}
 
 static void swallow(void *user, enum stp_log_level level, const char *line)
 {
 }
 
-/* Compiling is most of a cold start, and drivers do it well side by side. Workers stay silent:
- * what fails is tried again by the caller's thread, which may log. */
+/* Drivers compile well side by side. Workers stay silent: what fails is tried again by the
+ * caller's thread, which may log. */
 static void make_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct making *m = context;
     const struct stp_env silent = { .log = swallow };
     for (size_t i = begin; i < end; i++)
-        if (first_alike(m->frame->plan, (uint32_t)i) == i)
-            m->result[i] =
-                pass_pipeline(&silent, m->frame->context, m->frame->plan, &m->frame->plan->pass[i],
-                              &m->frame->resources, &m->frame->pipelines->pipeline[i]);
+        if (m->made->maker[i] == i)
+            m->result[i] = make_one(&silent, m, i);
 }
 
-static enum stp_result compile(const struct stp_env *env, struct record_frame *frame)
+static void find_makers(struct keyed *k, uint32_t pass_count)
 {
-    struct making making = { .frame = frame };
+    for (uint32_t i = 0; i < pass_count; i++) {
+        uint32_t first = 0;
+        while (memcmp(k->key.pass[first], k->key.pass[i], sizeof k->key.pass[i]) != 0)
+            first++;
+        k->maker[i] = (uint8_t)first;
+    }
+}
+
+static enum stp_result compile(const struct stp_env *env, struct stp_context *context,
+                               const struct stp_plan *plan, struct keyed *k)
+{
+    struct making making = { .context = context, .plan = plan, .made = k };
+    struct record_pipelines *p = &k->pipelines;
     /* Validation layers speak on the thread that calls them, and only the caller's may log. */
     struct stp_env alone = { .threads = 1 };
-    parallel_for(frame->context->instance.validate ? &alone : env, frame->plan->pass_count, 1,
-                 make_range, &making);
-    for (uint32_t i = 0; i < frame->plan->pass_count; i++) {
-        uint32_t alike = first_alike(frame->plan, i);
-        frame->pipelines->pipeline[i] = frame->pipelines->pipeline[alike];
-        enum stp_result result = alike < i ? STP_OK : making.result[i];
-        if (result != STP_OK)
-            result = pass_pipeline(env, frame->context, frame->plan, &frame->plan->pass[i],
-                                   &frame->resources, &frame->pipelines->pipeline[i]);
-        if (result != STP_OK)
-            return result;
+    find_makers(k, plan->pass_count);
+    parallel_for(context->instance.validate ? &alone : env, plan->pass_count, 1, make_range,
+                 &making);
+    enum stp_result result = STP_OK;
+    for (uint32_t i = 0; result == STP_OK && i < plan->pass_count; i++) {
+        if (making.result[i] != STP_OK)
+            result = make_one(env, &making, i);
+        p->pipeline[i] = p->pipeline[k->maker[i]];
     }
-    return STP_OK;
-}
-
-static enum stp_result make_pipelines(const struct stp_env *env, struct record_frame *frame,
-                                      const struct record_host *host)
-{
-    struct record_bindings bindings = record_find_bindings(frame->plan);
-    struct record_pipelines *p = mem_zalloc(1, sizeof *p);
-    if (!p)
-        return log_no_memory(env, sizeof *p, "pipelines");
-    p->users = 1;
-    frame->pipelines = p;
-    VkResult status = make_layouts(frame->context, p, &bindings, host != NULL);
-    if (status != VK_SUCCESS)
-        return gpu_error(env, status, "making pipeline layouts");
-    frame->resources.layout = p->layout;
-    enum stp_result result = compile(env, frame);
-    if (result == STP_OK && host)
-        result =
-            pass_host_pipeline(env, frame->context, frame->plan, &host->pass, p->layout, &p->host);
     return result;
 }
 
-enum stp_result record_pipelines_use(const struct stp_env *env, struct record_frame *frame,
-                                     struct record_pipelines *shared,
-                                     const struct record_host *host)
+static void destroy(struct stp_context *c, struct gpu_kept *kept)
 {
-    if (!shared)
-        return make_pipelines(env, frame, host);
-    shared->users++;
-    frame->pipelines = shared;
-    frame->resources.layout = shared->layout;
-    return STP_OK;
-}
-
-struct record_pipelines *record_pipelines_hold(struct record_frame *frame)
-{
-    frame->pipelines->users++;
-    return frame->pipelines;
-}
-
-static bool is_first(const struct record_pipelines *p, uint32_t pass)
-{
-    uint32_t i = 0;
-    while (i < pass && p->pipeline[i] != p->pipeline[pass])
-        i++;
-    return i == pass;
-}
-
-void record_pipelines_leave(struct stp_context *c, struct record_pipelines *p)
-{
-    if (!p || --p->users > 0)
-        return;
+    struct keyed *k = (struct keyed *)kept;
+    struct record_pipelines *p = &k->pipelines;
     for (uint32_t i = 0; i < PLAN_MAX_PASSES; i++)
-        if (p->pipeline[i] && is_first(p, i))
+        if (p->pipeline[i] && k->maker[i] == i)
             c->vk.vkDestroyPipeline(c->device, p->pipeline[i], NULL);
     if (p->host)
         c->vk.vkDestroyPipeline(c->device, p->host, NULL);
@@ -200,5 +155,55 @@ void record_pipelines_leave(struct stp_context *c, struct record_pipelines *p)
         c->vk.vkDestroyPipelineLayout(c->device, p->layout, NULL);
     if (p->set_layout)
         c->vk.vkDestroyDescriptorSetLayout(c->device, p->set_layout, NULL);
-    mem_free(p);
+    mem_free(k);
+}
+
+static enum stp_result make(const struct stp_env *env, struct stp_context *context,
+                            const struct stp_plan *plan, const struct pass_host *host,
+                            const struct record_bindings *bindings, struct keyed *k)
+{
+    struct record_pipelines *p = &k->pipelines;
+    VkResult status = make_layouts(context, bindings, host != NULL, p);
+    if (status != VK_SUCCESS)
+        return gpu_error(env, status, "making pipeline layouts");
+    enum stp_result result = compile(env, context, plan, k);
+    return result == STP_OK && host
+               ? pass_host_pipeline(env, context, plan, host, p->layout, &p->host)
+               : result;
+}
+
+/* NULL: no kept ones are alike. */
+static struct record_pipelines *find(struct stp_context *context, const struct key *key)
+{
+    for (struct gpu_kept *kept = context->kept; kept; kept = kept->next)
+        if (memcmp(&((struct keyed *)kept)->key, key, sizeof *key) == 0)
+            return (struct record_pipelines *)kept;
+    return NULL;
+}
+
+enum stp_result record_pipelines_take(const struct stp_env *env, struct stp_context *context,
+                                      const struct stp_plan *plan, const struct pass_host *host,
+                                      struct record_pipelines **pipelines)
+{
+    struct record_bindings bindings = record_bindings(plan);
+    struct keyed *k = mem_zalloc(1, sizeof *k);
+    if (!k)
+        return log_no_memory(env, sizeof *k, "pipelines");
+    k->pipelines.kept.destroy = destroy;
+    fill_key(plan, host, &bindings, &k->key);
+    struct record_pipelines *found = find(context, &k->key);
+    if (found) {
+        mem_free(k);
+        gpu_use_kept(context, &found->kept);
+        *pipelines = found;
+        return STP_OK;
+    }
+    enum stp_result result = make(env, context, plan, host, &bindings, k);
+    if (result != STP_OK) {
+        destroy(context, &k->pipelines.kept);
+        return result;
+    }
+    gpu_keep(context, &k->pipelines.kept);
+    *pipelines = &k->pipelines;
+    return STP_OK;
 }

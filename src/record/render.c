@@ -322,7 +322,7 @@ static enum stp_result render_on_device(const struct stp_env *env, struct stp_co
         result = record_picture(env, scene, plan, &made);
     double start = now_ms();
     if (result == STP_OK)
-        result = record_frame_create(env, context, plan, NULL, &frame);
+        result = record_frame_create(env, context, plan, &frame);
     if (result == STP_OK) {
         double created = now_ms() - start;
         frame.share = share;

@@ -12,25 +12,18 @@
 #include "report/report.h"
 #include "study/study.h"
 
-#define ROUNDS     2 /* far enough apart that what disturbs one may spare the other */
-#define TIMED      2
-#define MOST_TIMED 8
-#define ENOUGH     40 /* milliseconds */
+#define ROUNDS     2  /* far enough apart that what disturbs one may spare the other */
+#define MOST_TIMED 8  /* frames of a visit */
+#define ENOUGH     20 /* milliseconds of them, without what compiles */
 #define LINE_SIZE  512
 #define MOST_ROWS  64 /* of a kind */
-#define MOST_KEPT  128
+#define MOST_HELD  128
 #define CELLS      64 /* of a probe that counts layers */
 
 struct rows {
     unsigned count, at; /* at: the next of this round */
     bool plain;         /* colours make no difference to this kind */
     double amount[MOST_ROWS * PLAN_TERMS], ns[MOST_ROWS];
-};
-
-/* Compiling takes longer than the frames: what one frame compiled serves others. */
-struct kept {
-    struct stp_plan *plan;
-    struct record_pipelines *pipelines;
 };
 
 /* A scene, ready for both rounds. */
@@ -48,30 +41,23 @@ struct calibrating {
     struct stp_context *context;
     struct rows *rows; /* one a kind */
     struct bed *bed;   /* one a scene */
-    unsigned kept_count;
-    struct kept kept[MOST_KEPT];
+    /* Compiling takes longer than the frames: what one frame compiled is held for others. */
+    unsigned held_count;
+    struct record_pipelines *held[MOST_HELD];
     char line[LINE_SIZE];
 };
 
-static struct record_pipelines *find_kept(const struct calibrating *c, const struct stp_plan *plan)
+/* False: they are new, and the first frame will compile. */
+static bool hold(struct calibrating *c, struct record_pipelines *pipelines)
 {
-    for (unsigned i = 0; i < c->kept_count; i++)
-        if (record_pipelines_serve(c->kept[i].plan, plan))
-            return c->kept[i].pipelines;
-    return NULL;
-}
-
-static enum stp_result keep_pipelines(struct calibrating *c, struct record_frame *frame)
-{
-    struct kept *kept = &c->kept[c->kept_count];
-    if (c->kept_count == MOST_KEPT)
-        return STP_OK;
-    enum stp_result result = plan_copy(&c->quiet, frame->plan, &kept->plan);
-    if (result != STP_OK)
-        return result;
-    kept->pipelines = record_pipelines_hold(frame);
-    c->kept_count++;
-    return STP_OK;
+    for (unsigned i = 0; i < c->held_count; i++)
+        if (c->held[i] == pipelines)
+            return true;
+    if (c->held_count < MOST_HELD) {
+        gpu_use_kept(c->context, &pipelines->kept);
+        c->held[c->held_count++] = pipelines;
+    }
+    return false;
 }
 
 /* The least of a few frames: what disturbs a frame only lengthens it. */
@@ -79,19 +65,17 @@ static enum stp_result time_plan(struct calibrating *c, const struct bed *bed,
                                  const struct stp_plan *plan, double *ms)
 {
     struct record_frame frame;
-    struct record_pipelines *known = find_kept(c, plan);
     double each, unused, spent = 0;
-    enum stp_result result = record_frame_create(&c->quiet, c->context, plan, known, &frame);
+    enum stp_result result = record_frame_create(&c->quiet, c->context, plan, &frame);
     if (result != STP_OK)
         return result;
-    if (!known)
-        result = keep_pipelines(c, &frame);
-    if (result == STP_OK)
-        result = record_upload(&c->quiet, &frame, bed->scene);
+    bool known = hold(c, frame.pipelines);
+    result = record_upload(&c->quiet, &frame, bed->scene);
     if (result == STP_OK) /* compiles, and touches the memory */
-        result = record_run(&c->quiet, &frame, bed->scene, NULL, &each, &unused);
-    *ms = INFINITY;
-    for (unsigned i = 0; result == STP_OK && i < MOST_TIMED && (i < TIMED || spent < ENOUGH); i++) {
+        result = record_run(&c->quiet, &frame, bed->scene, NULL, ms, &unused);
+    if (known)
+        spent = *ms;
+    for (unsigned i = 0; result == STP_OK && i < MOST_TIMED && spent < ENOUGH; i++) {
         result = record_run(&c->quiet, &frame, bed->scene, NULL, &each, &unused);
         *ms = fmin(*ms, each);
         spent += each;
@@ -186,12 +170,16 @@ static enum stp_result count_layers(struct calibrating *c, struct bed *bed)
 static enum stp_result make_bed(struct calibrating *c, const struct calibrate_scene *what,
                                 struct bed *bed)
 {
-    /* One sphere shows its front; several, or a clear one, all they have. */
-    bool whole = what->shells > 1 || what->opacity > 0;
+    struct calibrate_scene grown = *what;
+    if (c->context->limits.processor == 2) { /* whose frames would be too short to tell apart */
+        grown.splats *= 4;
+        grown.size *= 2;
+    }
     *bed = (struct bed){ .colored = what->color };
-    bed->params = (struct stp_render_params){ .min_splat = -1,
-                                              .cull = whole ? STP_CULL_NONE : STP_CULL_BACK };
-    enum stp_result result = calibrate_scene_make(&c->quiet, what, &bed->scene, &bed->camera);
+    bed->params =
+        (struct stp_render_params){ .min_splat = -1,
+                                    .cull = what->opacity > 0 ? STP_CULL_NONE : STP_CULL_BACK };
+    enum stp_result result = calibrate_scene_make(&c->quiet, &grown, &bed->scene, &bed->camera);
     if (result == STP_OK)
         result = survey_make(&c->quiet, bed->scene, &bed->camera, &bed->params, &bed->survey);
     if (result == STP_OK && what->opacity > 0)
@@ -205,10 +193,8 @@ static void release(struct calibrating *c, unsigned count)
         survey_release(&c->bed[i].survey);
         stp_scene_destroy(&c->bed[i].scene);
     }
-    for (unsigned i = 0; i < c->kept_count; i++) {
-        record_pipelines_leave(c->context, c->kept[i].pipelines);
-        stp_plan_destroy(&c->kept[i].plan);
-    }
+    for (unsigned i = 0; i < c->held_count; i++)
+        gpu_leave_kept(c->context, &c->held[i]->kept);
     mem_free(c->bed);
     mem_free(c->rows);
 }

@@ -59,7 +59,7 @@ enum stp_result study_frame_wake(struct study *study, struct study_frame *frame)
                                frame->config.overlap);
     if (result == STP_OK)
         result =
-            record_frame_create(&study->quiet, study->context, frame->plan, NULL, &frame->frame);
+            record_frame_create(&study->quiet, study->context, frame->plan, &frame->frame);
     if (result != STP_OK)
         return result;
     frame->alive = true;

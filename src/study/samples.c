@@ -60,7 +60,7 @@ static enum stp_result measure(struct study *study, const struct stp_plan *plan,
 {
     struct record_frame frame;
     struct stp_image *image = NULL;
-    enum stp_result result = record_frame_create(&study->quiet, study->context, plan, NULL, &frame);
+    enum stp_result result = record_frame_create(&study->quiet, study->context, plan, &frame);
     if (result != STP_OK)
         return result;
     result = record_upload(&study->quiet, &frame, study->scene);

@@ -13,7 +13,7 @@ static unsigned messages_without(struct device *device, const struct stp_scene *
     struct stp_context *c = device->context;
     unsigned before = c->messages;
     c->env = &device->env;
-    assert_int_equal(record_frame_create(&device->env, c, plan, NULL, &frame), STP_OK);
+    assert_int_equal(record_frame_create(&device->env, c, plan, &frame), STP_OK);
     assert_int_equal(record_upload(&device->env, &frame, scene), STP_OK);
     assert_int_equal(gpu_begin(&device->env, c), STP_OK);
     record_walk(&frame, c->commands, &plan->tile[0], 0, false, skipped);
