@@ -58,8 +58,7 @@ enum stp_result study_frame_wake(struct study *study, struct study_frame *frame)
         result = groupings_use(&study->quiet, &study->groups, &study->params.group,
                                frame->config.overlap);
     if (result == STP_OK)
-        result =
-            record_frame_create(&study->quiet, study->context, frame->plan, &frame->frame);
+        result = record_frame_create(&study->quiet, study->context, frame->plan, &frame->frame);
     if (result != STP_OK)
         return result;
     frame->alive = true;
