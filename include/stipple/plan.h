@@ -172,10 +172,12 @@ struct stp_considered {
     enum stp_path path;
     enum stp_payload payload;
     enum stp_voronoi voronoi;
-    double overlap;      /* 0: needs no groups */
-    unsigned groups;     /* that the price was made for */
-    double milliseconds; /* predicted */
-    double error;        /* estimated, at most; NaN: not judged */
+    double overlap;                     /* 0: needs no groups */
+    unsigned groups;                    /* that the price was made for */
+    enum stp_transparency transparency; /* AUTO: of an opaque scene */
+    unsigned peel_layers;               /* 0: nothing is peeled */
+    double milliseconds;                /* predicted */
+    double error;                       /* estimated, at most; NaN: not judged */
     enum stp_verdict verdict;
 };
 #define STP_MAX_CONSIDERED 64

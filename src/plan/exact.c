@@ -121,8 +121,10 @@ void plan_exact(struct stp_plan *plan)
 
 static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
 {
-    candidate[0] = (struct plan_candidate){ STP_METHOD_EXACT, STP_PATH_COMPUTE, STP_PAYLOAD_PACKED,
-                                            STP_VORONOI_OFF, 0 };
+    candidate[0] = (struct plan_candidate){ .method = STP_METHOD_EXACT,
+                                            .path = STP_PATH_COMPUTE,
+                                            .payload = STP_PAYLOAD_PACKED,
+                                            .voronoi = STP_VORONOI_OFF };
     candidate[1] = candidate[0];
     candidate[1].payload = STP_PAYLOAD_ID;
     return 2;
@@ -151,4 +153,6 @@ static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, s
     }
 }
 
-const struct plan_offer plan_exact_offer = { candidates, cost, keep };
+const struct plan_offer plan_exact_offer = {
+    .method = STP_METHOD_EXACT, .candidates = candidates, .cost = cost, .keep = keep
+};

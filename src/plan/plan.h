@@ -403,7 +403,7 @@ enum stp_transparency plan_resolve_transparency(const struct stp_facts *facts,
                                                 const struct stp_limits *limits);
 enum stp_method plan_transparency_method(enum stp_transparency transparency);
 enum stp_result plan_choose_transparency(const struct stp_env *env, struct stp_plan *plan);
-void plan_explain_layers(struct stp_plan *plan);
+void plan_explain_layers(struct stp_plan *plan, const char *asked);
 /* Takes the groups that each cover the surface, back to front (ZP Algorithms 2 and 3). */
 bool plan_covers(const struct stp_plan *plan);
 
