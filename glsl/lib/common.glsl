@@ -79,6 +79,7 @@ layout(constant_id = 35) const bool LIGHT_CUBE = false;   // light is looked up 
 layout(constant_id = 36) const uint AXIS_SHAPE = 0;       // enum axis_shape
 const bool ELLIPSOIDS = AXIS_SHAPE == 1;                 // of range images
 const bool DISCS = AXIS_SHAPE == 2;                      // a surface's splats
+layout(constant_id = 37) const bool CULL_CLUSTERS = false; // pyramid: points, STP_CLUSTER at once
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
