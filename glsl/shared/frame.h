@@ -72,6 +72,8 @@
 #define STP_ELLIPSOID_DRAWN    4 /* in the camera frame: centre, tau; colour; then its factor */
 #define STP_BINDING_AXIS_COLOR 10
 #define STP_BINDING_AXIS_DEPTH 11
+#define STP_BINDING_SLOTS      12
+#define STP_BINDING_SLOT_IDS   13
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
 #define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
 #define STP_DEEP_FLOATS        5

@@ -85,6 +85,7 @@ enum stp_feature {
     STP_FEATURE_SHARED_MEMORY = 64,   /* device memory that the host may write: nothing is staged */
     STP_FEATURE_INDEPENDENT_BLEND = 128, /* independentBlend: transparency fast and nearest */
     STP_FEATURE_SUBGROUP_8 = 256,        /* subgroups of 8, with votes and broadcasts: axis lists */
+    STP_FEATURE_TEXEL_BUFFERS = 512,     /* of 2^27 texels: exact reads its slots through them */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);
@@ -171,10 +172,12 @@ struct stp_considered {
     enum stp_path path;
     enum stp_payload payload;
     enum stp_voronoi voronoi;
-    double overlap;      /* 0: needs no groups */
-    unsigned groups;     /* that the price was made for */
-    double milliseconds; /* predicted */
-    double error;        /* estimated, at most; NaN: not judged */
+    double overlap;                     /* 0: needs no groups */
+    unsigned groups;                    /* that the price was made for */
+    enum stp_transparency transparency; /* AUTO: of an opaque scene */
+    unsigned peel_layers;               /* 0: nothing is peeled */
+    double milliseconds;                /* predicted */
+    double error;                       /* estimated, at most; NaN: not judged */
     enum stp_verdict verdict;
 };
 #define STP_MAX_CONSIDERED 64

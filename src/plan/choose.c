@@ -191,10 +191,6 @@ static void explain_exact(struct stp_plan *plan, const char *asked)
 
 static void explain(struct stp_plan *plan)
 {
-    if (plan_covers(plan) || plan->transparency == STP_TRANSPARENCY_PEEL) {
-        plan_explain_layers(plan);
-        return;
-    }
     const char *method = stp_method_name(plan->method);
     const struct stp_prediction *p = &plan->params.prediction;
     char predicted[128];
@@ -207,6 +203,10 @@ static void explain(struct stp_plan *plan)
                                                                  : "asked for";
     char *why = plan->why;
     size_t size = sizeof plan->why;
+    if (plan_covers(plan) || plan->transparency == STP_TRANSPARENCY_PEEL) {
+        plan_explain_layers(plan, p->bound > 0 ? asked : "asked for");
+        return;
+    }
     switch (plan->method) {
     case STP_METHOD_EXACT:
         explain_exact(plan, asked);

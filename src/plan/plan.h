@@ -116,6 +116,8 @@ enum plan_slot {
     PLAN_TEXEL_RADII,
     PLAN_IMAGE_AXIS_COLOR,
     PLAN_IMAGE_AXIS_DEPTH,
+    PLAN_TEXEL_KEYS, /* the words of PLAN_KEYS again, where its format is of texels */
+    PLAN_TEXEL_SLOT_IDS,
     PLAN_SLOTS
 };
 
@@ -133,7 +135,12 @@ enum plan_format {
     PLAN_RGBA32UI,
     PLAN_TEXELS_RGBA32UI, /* a buffer that is fetched as texels */
     PLAN_TEXELS_R32F,
+    PLAN_TEXELS_RG32UI,
+    PLAN_TEXELS_R32UI,
 };
+
+/* Texels of a buffer that STP_FEATURE_TEXEL_BUFFERS promises. */
+#define PLAN_MOST_TEXELS ((uint64_t)1 << 27)
 
 struct plan_resource {
     char name[24];
@@ -156,8 +163,10 @@ enum plan_shader {
     PLAN_SHADER_DEFERRED_COMPOSITE_IMAGE,
     PLAN_SHADER_EXACT_SLOTS,
     PLAN_SHADER_EXACT_SLOTS_LARGE,
-    PLAN_SHADER_EXACT_RESOLVE,
+    PLAN_SHADER_EXACT_RESOLVE, /* then with slots fetched as texels; so below */
+    PLAN_SHADER_EXACT_RESOLVE_FETCHED,
     PLAN_SHADER_EXACT_LAYERS,
+    PLAN_SHADER_EXACT_LAYERS_FETCHED,
     PLAN_SHADER_EXACT_ARM,
     PLAN_SHADER_EXACT_CLEAR,
     PLAN_SHADER_EXACT_COLLECT,
@@ -394,7 +403,7 @@ enum stp_transparency plan_resolve_transparency(const struct stp_facts *facts,
                                                 const struct stp_limits *limits);
 enum stp_method plan_transparency_method(enum stp_transparency transparency);
 enum stp_result plan_choose_transparency(const struct stp_env *env, struct stp_plan *plan);
-void plan_explain_layers(struct stp_plan *plan);
+void plan_explain_layers(struct stp_plan *plan, const char *asked);
 /* Takes the groups that each cover the surface, back to front (ZP Algorithms 2 and 3). */
 bool plan_covers(const struct stp_plan *plan);
 

@@ -7,6 +7,7 @@
 static const char *const format_names[] = { "buffer",        "R32G32_UINT",
                                             "R32G32_SFLOAT", "R32G32B32A32_SFLOAT",
                                             "D32_SFLOAT",    "R32G32B32A32_UINT",
+                                            "texels",        "texels",
                                             "texels",        "texels" };
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 

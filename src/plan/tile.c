@@ -166,11 +166,21 @@ static bool images_fit(const struct stp_plan *plan)
     return fit;
 }
 
+static bool texels_fit(const struct stp_plan *plan)
+{
+    bool fit = true;
+    for (uint32_t i = 0; i < plan->resource_count; i++)
+        fit = fit && (plan->resource[i].format != PLAN_TEXELS_RG32UI ||
+                      plan->resource[i].bytes / 8 <= PLAN_MOST_TEXELS);
+    return fit;
+}
+
 static bool fits(const struct stp_plan *plan, uint64_t limit)
 {
     uint64_t used = plan_bytes(plan, PLAN_TRANSIENT) + plan_bytes(plan, PLAN_OUTPUT);
     return used <= limit && largest(plan) <= plan->limits.max_allocation &&
-           (uint64_t)plan->tile_width * plan->tile_height <= MOST_PIXELS && images_fit(plan);
+           (uint64_t)plan->tile_width * plan->tile_height <= MOST_PIXELS && images_fit(plan) &&
+           texels_fit(plan);
 }
 
 static uint32_t cut(uint32_t length, uint32_t parts, uint32_t border)
