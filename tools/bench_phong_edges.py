@@ -6,7 +6,8 @@
 The mesh (without one: a generated solid with convex and reflex edges, and corners of three planes)
 is sampled evenly, each sample with its face's normal; --cloud takes points of the same surface
 instead. Splats are fitted with tolerances of so many diagonals of the bounding box, once as they
-come and once with --fit-smooth, and drawn from three sides without perspective. Over all pixels
+come and once with --fit-smooth, and drawn from three sides without perspective, without what faces
+away (within epsilon behind an outline it would be averaged with what is seen). Over all pixels
 whose surface lies within 1 % of the diagonal of an edge sharper than --sharp degrees: the angle
 between the picture's normal and that of the mesh's face there, found by rasterizing the mesh with
 code of its own. "wrong" are angles above 10 degrees; "uncovered" are pixels where no splat is.
@@ -194,7 +195,7 @@ def normals(cloud, view, folder):
     view.write(camera)
     size = f"{view.pixels}x{view.pixels}"
     subprocess.run([STIPPLE, "render", cloud, "-o", out, "-q", "--camera", camera, "--size", size,
-                    "--method", "exact", "--min-splat", "0"], check=True)
+                    "--method", "exact", "--min-splat", "0", "--cull", "back"], check=True)
     some = os.path.join(folder, "normals.exr")
     subprocess.run(["oiiotool", out, "--ch", "N.X,N.Y,N.Z", "-o", some], check=True)
     text = subprocess.run(["oiiotool", "--dumpdata", some], check=True, capture_output=True,

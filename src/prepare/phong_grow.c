@@ -21,9 +21,10 @@
     1.2            /* of the ellipse over the sites' own area, against where they were densest     \
                     */
 #define GROWTH 1.6 /* of the radius where nothing was in the way */
+#define SEED   (-1.0)
 
 struct reached {
-    double metric; /* s^2 + t^2 */
+    double metric; /* s^2 + t^2; below 0: the seed, which comes before sites of its own place */
     uint32_t site;
 };
 
@@ -117,7 +118,7 @@ static size_t collect(struct grower *g, const struct ellipse *e, uint32_t seed, 
     *blocked = INFINITY;
     if (!make_room(g, 1))
         return 0;
-    g->reached[0] = (struct reached){ 0, seed };
+    g->reached[0] = (struct reached){ SEED, seed };
     for (size_t head = 0; head < count && count < most; head++) {
         const uint32_t *near = g->cloud->near[g->reached[head].site];
         for (unsigned k = 0; k < SITE_NEAR; k++) {
@@ -155,8 +156,9 @@ static bool is_sparse(const struct ellipse *e, const struct clip_track *track, d
     return sparse > *least * (OVERHANG + 1.5 / sqrt((double)k));
 }
 
-/* Nearest first, into member; what lies beyond an obstacle, or a third edge, or where the ellipse
- * holds much more than the sites' own area (it has grown over a border), is left out. */
+/* Nearest first, into member, the seed always; what lies beyond an obstacle, or a third edge, or
+ * where the ellipse holds much more than the sites' own area (it has grown over a border), is left
+ * out. */
 static size_t sort_reached(struct grower *g, const struct ellipse *e, size_t count, double blocked)
 {
     size_t kept = 0;
@@ -173,7 +175,7 @@ static size_t sort_reached(struct grower *g, const struct ellipse *e, size_t cou
             break;
         g->member[kept++] = site;
     }
-    return kept > 0 ? kept : 1;
+    return kept;
 }
 
 /* --- how many of the nearest make a patch
@@ -285,7 +287,7 @@ static void grow(struct grower *g, uint32_t seed, struct patch *made)
             return;
         refined = refined || stopped;
         before = all;
-        double reach = stopped ? sqrt(g->reached[count - 1].metric) : GROWTH;
+        double reach = stopped ? sqrt(fmax(g->reached[count - 1].metric, 0)) : GROWTH;
         scale *= stopped ? clamp(1.25 * reach, 0.25, 1.25) : GROWTH;
         e.frame = frame;
         e.frame.c = v3_load(g->cloud->site[seed].p);

@@ -70,6 +70,36 @@ static void duplicates(void **state)
     samples_release(&heap);
 }
 
+static double uniform(unsigned *state)
+{
+    *state = *state * 1664525u + 1013904223u;
+    return (double)(*state >> 8) / (1 << 24);
+}
+
+/* Ruffled sheets with up to five samples a place, whose normals lean any way by up to 80 degrees:
+ * a place is several sites, and a patch about one of them may hold another without it. */
+static void crowded_places(void **state)
+{
+    struct samples s = make(240);
+    struct stp_fit fit;
+    unsigned dice = 7;
+    for (int round = 0; round < 60; round++) {
+        for (size_t i = 0; i < s.count; i++) {
+            double away = 6.28318 * uniform(&dice), lean = 1.4 * uniform(&dice);
+            set(&s, i, 10 * uniform(&dice), 10 * uniform(&dice), 0.1 * uniform(&dice),
+                cos(away) * sin(lean), sin(away) * sin(lean), cos(lean));
+            if (i > 0 && uniform(&dice) < 0.5)
+                memcpy(s.position[i], s.position[i - 1], sizeof s.position[0]);
+        }
+        double tolerance = 1e-4 * pow(10, 0.5 * (round % 9));
+        struct stp_scene *scene = fitted(&s, tolerance, &fit);
+        is_sound(&scene->splats);
+        covers_all(&scene->splats, &s, tolerance, false);
+        stp_scene_destroy(&scene);
+    }
+    samples_release(&s);
+}
+
 /* Two sheets that look away from each other, nearer than the samples of one: no splat holds both,
  * for the normal of each splat is that of its sheet. */
 static void thin_sheets(void **state)
@@ -257,10 +287,11 @@ static void colors_do_not_mix(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(few_samples),        cmocka_unit_test(duplicates),
-        cmocka_unit_test(thin_sheets),        cmocka_unit_test(open_border),
-        cmocka_unit_test(steep_normals),      cmocka_unit_test(cube_keeps_its_edges),
-        cmocka_unit_test(torus_is_not_sharp), cmocka_unit_test(colors_do_not_mix),
+        cmocka_unit_test(few_samples),          cmocka_unit_test(duplicates),
+        cmocka_unit_test(crowded_places),       cmocka_unit_test(thin_sheets),
+        cmocka_unit_test(open_border),          cmocka_unit_test(steep_normals),
+        cmocka_unit_test(cube_keeps_its_edges), cmocka_unit_test(torus_is_not_sharp),
+        cmocka_unit_test(colors_do_not_mix),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
