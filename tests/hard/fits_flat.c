@@ -2,8 +2,7 @@
 #include "hard.h"
 
 #define GROUPED 40 /* dB */
-#define PACKED  70 /* dB: where nothing but rims meet, weights of 12 bits are known to a per cent  \
-                    */
+#define PACKED  70 /* dB: rims alone have weights that 12 bits know to a per cent */
 
 /* A frame of flat scenes: w is 31 degrees off the eye's direction, so that none is edge-on. */
 struct tilted_frame {

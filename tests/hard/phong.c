@@ -58,6 +58,9 @@ static void huge_fields(const struct hard_options *o, struct hard_scene *s)
         size_t at = points_add(&cloud, p, v3_unit(n), 1);
         struct stp_phong_splat *e = points_bend(&cloud, at, 7 * hard_random(&seed), 0.4, 0.3);
         random_field(&seed, pow(10, 3 * i - 2), e);
+        random_clips(&seed, e);
+        for (int k = 0; k < 3; k++)
+            e->clip[0][k] *= (float)pow(10, i % 2 ? -2 * i : 3 * i - 2);
         points_paint(&cloud, at, hard_color(&seed));
     }
     show(s, &cloud, plain_camera(o->width, o->height, 1.6 * o->height), -1);
@@ -250,7 +253,7 @@ static const struct hard_case cases[] = {
     { "Normals tilted past 80 degrees, culled",
       "To rounding: a splat stays while any normal on it may face the eye", tilted_culled, NULL, 0,
       0, 0, 0, NULL, 0 },
-    { "Fields of 10^-2 to 10^37",
+    { "Fields and lines of 10^-26 to 10^37",
       "To rounding, and no square overflows: N has a direction whatever "
       "its length",
       huge_fields, NULL, 0, 0, 0, 0, NULL, 0 },
