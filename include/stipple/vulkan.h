@@ -136,9 +136,6 @@ struct stp_host_frame_params {
      * the commands recorded with this one are done, or begin. NULL: from the context's allocator.
      */
     const struct stp_device_memory *scratch;
-    /* A frame of an equal plan and equal params whose pipelines this one shares, whichever of them
-     * is destroyed first. NULL: all pipelines are compiled now, none later. */
-    const struct stp_frame *share;
 };
 /* What the scratch memory of a frame of that plan and those params needs; memoryTypeBits is 0 where
  * no one type holds all of it. */
@@ -147,7 +144,8 @@ STP_API enum stp_result stp_frame_scratch(const struct stp_env *env, struct stp_
                                           const struct stp_host_frame_params *params,
                                           VkMemoryRequirements *requirements);
 
-/* plan: for the largest size that will be drawn; copied. Its outputs stay on the device. */
+/* plan: for the largest size that will be drawn; copied. Its outputs stay on the device. All
+ * pipelines are compiled now, none later; frames of plans that are alike share them. */
 STP_API enum stp_result stp_frame_create(const struct stp_env *env, struct stp_context *context,
                                          const struct stp_plan *plan,
                                          const struct stp_host_frame_params *params,

@@ -87,8 +87,10 @@ void stp_context_destroy(struct stp_context **context)
     if (!context || !*context)
         return;
     struct stp_context *c = *context;
-    if (c->device && !c->imported) {
+    if (c->device && !c->imported)
         c->vk.vkDeviceWaitIdle(c->device);
+    gpu_trim(c);
+    if (c->device && !c->imported) {
         c->vk.vkDestroyPipelineCache(c->device, c->cache, NULL);
         c->vk.vkDestroyFence(c->device, c->fence, NULL);
         c->vk.vkDestroyCommandPool(c->device, c->pool, NULL);

@@ -44,6 +44,13 @@ struct gpu_pending {
 };
 #define GPU_MOST_PENDING 16
 
+/* What a later stage leaves with a context, for its next call that needs the same. */
+struct gpu_kept {
+    struct gpu_kept *next;
+    unsigned users;
+    void (*destroy)(struct stp_context *context, struct gpu_kept *kept);
+};
+
 struct stp_context {
     struct gpu_instance instance; /* imported: the host's handle, no library */
     bool imported;                /* no queue, no commands, no fence of our own */
@@ -60,6 +67,7 @@ struct stp_context {
     VkCommandBuffer commands;
     VkFence fence;
     VkPipelineCache cache;
+    struct gpu_kept *kept; /* the last used first */
     VkPhysicalDeviceMemoryProperties memory;
     struct stp_limits limits;
     double timestamp_ms;       /* of one tick; 0: no timestamps */
@@ -98,6 +106,14 @@ enum stp_result gpu_features_enabled(const struct stp_env *env,
 
 /* Logs the call and the VkResult; the stp_result that it maps to. */
 enum stp_result gpu_error(const struct stp_env *env, VkResult result, const char *call);
+
+/* gpu/kept.c. Of what has no user the last GPU_MOST_IDLE stay. */
+#define GPU_MOST_IDLE 16
+void gpu_keep(struct stp_context *context, struct gpu_kept *kept); /* with one user */
+void gpu_use_kept(struct stp_context *context, struct gpu_kept *kept);
+void gpu_leave_kept(struct stp_context *context, struct gpu_kept *kept);
+/* Destroys all that has no user. */
+void gpu_trim(struct stp_context *context);
 
 enum gpu_memory {
     GPU_DEVICE,    /* fast for the device; mapped only where that costs nothing */

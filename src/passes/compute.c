@@ -2,7 +2,7 @@
 
 enum stp_result pass_compute_pipeline(const struct stp_env *env, struct stp_context *context,
                                       const struct stp_plan *plan, const struct plan_pass *pass,
-                                      const struct pass_resources *resources, VkPipeline *pipeline)
+                                      VkPipelineLayout layout, VkPipeline *pipeline)
 {
     struct pass_specialization specialization;
     VkShaderModule module;
@@ -17,7 +17,7 @@ enum stp_result pass_compute_pipeline(const struct stp_env *env, struct stp_cont
                    .module = module,
                    .pName = "main",
                    .pSpecializationInfo = &specialization.info },
-        .layout = resources->layout
+        .layout = layout
     };
     result = context->vk.vkCreateComputePipelines(context->device, context->cache, 1, &info, NULL,
                                                   pipeline);

@@ -33,6 +33,8 @@ struct pass_resources {
 #define PASS_PUSH_STAGES                                                                           \
     (VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT)
 
+#define PASS_MOST_COLORS 4
+
 struct pass_words {
     const uint32_t *words;
     size_t bytes;
@@ -56,16 +58,25 @@ struct pass_specialization {
 void pass_specialize(const struct stp_plan *plan, const struct plan_pass *pass,
                      struct pass_specialization *specialization);
 
+/* What the pipeline of a pass depends on beside the plan's constants and the layout; all 0: it has
+ * none. */
+#define PASS_KEY_WORDS        (5 + PASS_RASTER_KEY_WORDS)
+#define PASS_RASTER_KEY_WORDS (3 + PASS_MOST_COLORS)
+void pass_key(const struct stp_plan *plan, const struct plan_pass *pass,
+              uint32_t key[PASS_KEY_WORDS]);
+void pass_raster_key(const struct stp_plan *plan, const struct plan_pass *pass,
+                     uint32_t key[PASS_RASTER_KEY_WORDS]);
+
 /* One pipeline a pass; VK_NULL_HANDLE for passes that need none. */
 enum stp_result pass_pipeline(const struct stp_env *env, struct stp_context *context,
                               const struct stp_plan *plan, const struct plan_pass *pass,
-                              const struct pass_resources *resources, VkPipeline *pipeline);
+                              VkPipelineLayout layout, VkPipeline *pipeline);
 enum stp_result pass_compute_pipeline(const struct stp_env *env, struct stp_context *context,
                                       const struct stp_plan *plan, const struct plan_pass *pass,
-                                      const struct pass_resources *resources, VkPipeline *pipeline);
+                                      VkPipelineLayout layout, VkPipeline *pipeline);
 enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_context *context,
                                      const struct stp_plan *plan, const struct plan_pass *pass,
-                                     const struct pass_resources *resources, VkPipeline *pipeline);
+                                     VkPipelineLayout layout, VkPipeline *pipeline);
 
 /* Records one pass; barriers and descriptor sets are the caller's. */
 void pass_record(struct stp_context *context, VkCommandBuffer commands, const struct stp_plan *plan,
@@ -88,7 +99,6 @@ bool pass_is_image(enum plan_format format);
 bool pass_is_texels(enum plan_format format);
 
 /* raster.c: what graphics pipelines differ in. pass NULL: as the plan says. */
-#define PASS_MOST_COLORS 4
 enum pass_blend { PASS_BLEND_NONE, PASS_BLEND_ADD, PASS_BLEND_OVER /* premultiplied */ };
 struct pass_graphics {
     enum plan_shader vertex, fragment;

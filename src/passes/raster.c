@@ -167,9 +167,20 @@ enum stp_result pass_graphics_pipeline(const struct stp_env *env, struct stp_con
     return result == VK_SUCCESS ? STP_OK : gpu_error(env, result, "vkCreateGraphicsPipelines");
 }
 
+void pass_raster_key(const struct stp_plan *plan, const struct plan_pass *pass,
+                     uint32_t key[PASS_RASTER_KEY_WORDS])
+{
+    struct targets targets = find_targets(plan, pass);
+    *key++ = pass->vertex;
+    *key++ = pass->raster;
+    *key++ = targets.depth != PLAN_NONE;
+    for (uint32_t i = 0; i < targets.color_count; i++)
+        *key++ = pass_format(plan->resource[targets.color[i]].format);
+}
+
 enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_context *context,
                                      const struct stp_plan *plan, const struct plan_pass *pass,
-                                     const struct pass_resources *resources, VkPipeline *pipeline)
+                                     VkPipelineLayout layout, VkPipeline *pipeline)
 {
     struct targets targets = find_targets(plan, pass);
     static const enum pass_blend blends[] = { [PLAN_RASTER_WINNER] = PASS_BLEND_NONE,
@@ -186,7 +197,7 @@ enum stp_result pass_raster_pipeline(const struct stp_env *env, struct stp_conte
     };
     for (uint32_t i = 0; i < targets.color_count; i++)
         graphics.color[i] = pass_format(plan->resource[targets.color[i]].format);
-    return pass_graphics_pipeline(env, context, plan, pass, &graphics, resources->layout, pipeline);
+    return pass_graphics_pipeline(env, context, plan, pass, &graphics, layout, pipeline);
 }
 
 static VkImageView view_of(const struct gpu_image *image, const struct plan_pass *pass)

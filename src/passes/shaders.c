@@ -1,5 +1,7 @@
 #include "passes/passes.h"
 
+#include <string.h>
+
 #include "shader_list.h"
 
 /* In the order of enum plan_shader; [1] is compiled with double. */
@@ -24,13 +26,18 @@ VkResult pass_module(struct stp_context *context, const struct stp_plan *plan,
     return context->vk.vkCreateShaderModule(context->device, &info, NULL, module);
 }
 
+static uint32_t axis_walk(const struct stp_plan *plan, const struct plan_pass *pass)
+{
+    return plan->method == STP_METHOD_AXIS ? pass->layer : 0;
+}
+
 void pass_specialize(const struct stp_plan *plan, const struct plan_pass *pass,
                      struct pass_specialization *s)
 {
     for (uint32_t i = 0; i < PLAN_CONSTANTS; i++) {
         s->values[i] = !pass                 ? plan->constant[i]
                        : i == PLAN_REPAIR    ? pass->repair
-                       : i == PLAN_AXIS_WALK ? pass->layer
+                       : i == PLAN_AXIS_WALK ? axis_walk(plan, pass)
                        : i == PLAN_AXIS_PART ? pass->part
                                              : plan->constant[i];
         s->entries[i] = (VkSpecializationMapEntry){ i, i * 4, 4 };
@@ -38,14 +45,30 @@ void pass_specialize(const struct stp_plan *plan, const struct plan_pass *pass,
     s->info = (VkSpecializationInfo){ PLAN_CONSTANTS, s->entries, sizeof s->values, s->values };
 }
 
+void pass_key(const struct stp_plan *plan, const struct plan_pass *pass,
+              uint32_t key[PASS_KEY_WORDS])
+{
+    bool draw = pass->kind == PLAN_DRAW;
+    memset(key, 0, PASS_KEY_WORDS * sizeof *key);
+    if (!draw && pass->kind != PLAN_DISPATCH && pass->kind != PLAN_DISPATCH_INDIRECT)
+        return;
+    *key++ = draw ? 2 : 1;
+    *key++ = pass->shader;
+    *key++ = pass->repair;
+    *key++ = axis_walk(plan, pass);
+    *key++ = pass->part;
+    if (draw)
+        pass_raster_key(plan, pass, key);
+}
+
 enum stp_result pass_pipeline(const struct stp_env *env, struct stp_context *context,
                               const struct stp_plan *plan, const struct plan_pass *pass,
-                              const struct pass_resources *resources, VkPipeline *pipeline)
+                              VkPipelineLayout layout, VkPipeline *pipeline)
 {
     if (pass->kind == PLAN_DRAW)
-        return pass_raster_pipeline(env, context, plan, pass, resources, pipeline);
+        return pass_raster_pipeline(env, context, plan, pass, layout, pipeline);
     if (pass->kind == PLAN_DISPATCH || pass->kind == PLAN_DISPATCH_INDIRECT)
-        return pass_compute_pipeline(env, context, plan, pass, resources, pipeline);
+        return pass_compute_pipeline(env, context, plan, pass, layout, pipeline);
     return STP_OK;
 }
 

@@ -1,8 +1,6 @@
 #include "record/record.h"
 
 #include "base/log.h"
-#include "base/memory.h"
-#include "base/thread.h"
 
 /* Outputs that the host cannot read where they are. */
 static enum stp_result make_read_back(const struct stp_env *env, struct record_frame *frame)
@@ -19,57 +17,7 @@ static enum stp_result make_read_back(const struct stp_env *env, struct record_f
     return result;
 }
 
-/* What is bound beside the frame block, whose binding is 0: images and texels. */
-struct bindings {
-    uint32_t count;
-    uint32_t binding[PLAN_SLOTS];
-    uint8_t resource[PLAN_SLOTS];
-    VkDescriptorType type[PLAN_SLOTS];
-};
-
-static struct bindings find_bindings(const struct stp_plan *plan)
-{
-    struct bindings b = { 0 };
-    for (uint32_t slot = PLAN_BUFFER_SLOTS; slot < PLAN_SLOTS; slot++) {
-        uint8_t found = plan_find(plan, slot);
-        if (found == PLAN_NONE || slot == PLAN_IMAGE_DEPTH)
-            continue;
-        b.resource[b.count] = found;
-        b.type[b.count] = pass_is_texels(plan->resource[found].format)
-                              ? VK_DESCRIPTOR_TYPE_UNIFORM_TEXEL_BUFFER
-                              : VK_DESCRIPTOR_TYPE_STORAGE_IMAGE;
-        b.binding[b.count++] = PLAN_BINDING(slot);
-    }
-    return b;
-}
-
-static VkResult make_layouts(struct stp_context *c, struct record_pipelines *p,
-                             const struct bindings *b, bool hosted)
-{
-    VkDescriptorSetLayoutBinding bindings[1 + PLAN_SLOTS] = {
-        { 0, VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1, PASS_PUSH_STAGES, NULL }
-    };
-    for (uint32_t i = 0; i < b->count; i++)
-        bindings[1 + i] =
-            (VkDescriptorSetLayoutBinding){ b->binding[i], b->type[i], 1, PASS_PUSH_STAGES, NULL };
-    VkDescriptorSetLayoutCreateInfo set = { .sType =
-                                                VK_STRUCTURE_TYPE_DESCRIPTOR_SET_LAYOUT_CREATE_INFO,
-                                            .bindingCount = 1 + b->count,
-                                            .pBindings = bindings };
-    VkResult result = c->vk.vkCreateDescriptorSetLayout(c->device, &set, NULL, &p->set_layout);
-    if (result != VK_SUCCESS)
-        return result;
-    uint32_t bytes = PASS_PUSH_HOST + (hosted ? (uint32_t)sizeof(struct pass_host_push) : 0);
-    VkPushConstantRange push = { PASS_PUSH_STAGES, 0, bytes };
-    VkPipelineLayoutCreateInfo layout = { .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
-                                          .setLayoutCount = 1,
-                                          .pSetLayouts = &p->set_layout,
-                                          .pushConstantRangeCount = 1,
-                                          .pPushConstantRanges = &push };
-    return c->vk.vkCreatePipelineLayout(c->device, &layout, NULL, &p->layout);
-}
-
-static VkResult make_set(struct record_frame *frame, const struct bindings *b)
+static VkResult make_set(struct record_frame *frame, const struct record_bindings *b)
 {
     struct stp_context *c = frame->context;
     VkDescriptorPoolSize sizes[1 + PLAN_SLOTS] = { { VK_DESCRIPTOR_TYPE_UNIFORM_BUFFER, 1 } };
@@ -89,7 +37,7 @@ static VkResult make_set(struct record_frame *frame, const struct bindings *b)
     return c->vk.vkAllocateDescriptorSets(c->device, &set, &frame->resources.set);
 }
 
-static void write_set(struct record_frame *frame, const struct bindings *b)
+static void write_set(struct record_frame *frame, const struct record_bindings *b)
 {
     struct stp_context *c = frame->context;
     VkDescriptorBufferInfo buffer = { frame->resources.constants.handle, 0,
@@ -119,7 +67,7 @@ static void write_set(struct record_frame *frame, const struct bindings *b)
 
 static enum stp_result make_descriptors(const struct stp_env *env, struct record_frame *frame)
 {
-    struct bindings bindings = find_bindings(frame->plan);
+    struct record_bindings bindings = record_bindings(frame->plan);
     VkResult result = make_set(frame, &bindings);
     if (result != VK_SUCCESS)
         return gpu_error(env, result, "making descriptor sets");
@@ -127,86 +75,14 @@ static enum stp_result make_descriptors(const struct stp_env *env, struct record
     return STP_OK;
 }
 
-struct making {
-    struct record_frame *frame;
-    enum stp_result result[PLAN_MAX_PASSES];
-};
-
-static void swallow(void *user, enum stp_log_level level, const char *line)
+static enum stp_result take_pipelines(const struct stp_env *env, struct record_frame *frame,
+                                      const struct pass_host *host)
 {
-}
-
-/* Compiling is most of a cold start, and drivers do it well side by side. Workers stay silent:
- * what fails is tried again by the caller's thread, which may log. */
-static void make_range(void *context, size_t begin, size_t end, unsigned worker)
-{
-    struct making *m = context;
-    const struct stp_env silent = { .log = swallow };
-    for (size_t i = begin; i < end; i++)
-        m->result[i] =
-            pass_pipeline(&silent, m->frame->context, m->frame->plan, &m->frame->plan->pass[i],
-                          &m->frame->resources, &m->frame->pipelines->pipeline[i]);
-}
-
-static enum stp_result compile(const struct stp_env *env, struct record_frame *frame)
-{
-    struct making making = { .frame = frame };
-    /* Validation layers speak on the thread that calls them, and only the caller's may log. */
-    struct stp_env alone = { .threads = 1 };
-    parallel_for(frame->context->instance.validate ? &alone : env, frame->plan->pass_count, 1,
-                 make_range, &making);
-    for (uint32_t i = 0; i < frame->plan->pass_count; i++) {
-        enum stp_result result = making.result[i];
-        if (result != STP_OK)
-            result = pass_pipeline(env, frame->context, frame->plan, &frame->plan->pass[i],
-                                   &frame->resources, &frame->pipelines->pipeline[i]);
-        if (result != STP_OK)
-            return result;
-    }
-    return STP_OK;
-}
-
-static enum stp_result make_pipelines(const struct stp_env *env, struct record_frame *frame,
-                                      const struct record_host *host)
-{
-    struct bindings bindings = find_bindings(frame->plan);
-    struct record_pipelines *p = mem_zalloc(1, sizeof *p);
-    if (!p)
-        return log_no_memory(env, sizeof *p, "pipelines");
-    p->users = 1;
-    frame->pipelines = p;
-    VkResult status = make_layouts(frame->context, p, &bindings, host != NULL);
-    if (status != VK_SUCCESS)
-        return gpu_error(env, status, "making pipeline layouts");
-    frame->resources.layout = p->layout;
-    enum stp_result result = compile(env, frame);
-    if (result == STP_OK && host)
-        result =
-            pass_host_pipeline(env, frame->context, frame->plan, &host->pass, p->layout, &p->host);
+    enum stp_result result =
+        record_pipelines_take(env, frame->context, frame->plan, host, &frame->pipelines);
+    if (result == STP_OK)
+        frame->resources.layout = frame->pipelines->layout;
     return result;
-}
-
-static void share_pipelines(struct record_frame *frame, struct record_pipelines *p)
-{
-    p->users++;
-    frame->pipelines = p;
-    frame->resources.layout = p->layout;
-}
-
-static void leave_pipelines(struct stp_context *c, struct record_pipelines *p)
-{
-    if (!p || --p->users > 0)
-        return;
-    for (uint32_t i = 0; i < PLAN_MAX_PASSES; i++)
-        if (p->pipeline[i])
-            c->vk.vkDestroyPipeline(c->device, p->pipeline[i], NULL);
-    if (p->host)
-        c->vk.vkDestroyPipeline(c->device, p->host, NULL);
-    if (p->layout)
-        c->vk.vkDestroyPipelineLayout(c->device, p->layout, NULL);
-    if (p->set_layout)
-        c->vk.vkDestroyDescriptorSetLayout(c->device, p->set_layout, NULL);
-    mem_free(p);
 }
 
 static enum stp_result make_queries(const struct stp_env *env, struct record_frame *frame)
@@ -237,7 +113,7 @@ enum stp_result record_frame_create(const struct stp_env *env, struct stp_contex
     if (result == STP_OK)
         result = make_read_back(env, frame);
     if (result == STP_OK)
-        result = make_pipelines(env, frame, NULL);
+        result = take_pipelines(env, frame, NULL);
     if (result == STP_OK)
         result = make_descriptors(env, frame);
     if (result == STP_OK)
@@ -271,10 +147,8 @@ enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp
         result = record_resources_create(env, context, plan, RECORD_WITHOUT_SCENE,
                                          frame->scratch.part.where.memory ? &frame->scratch : NULL,
                                          &frame->resources);
-    if (result == STP_OK && host->pipelines)
-        share_pipelines(frame, host->pipelines);
-    else if (result == STP_OK)
-        result = make_pipelines(env, frame, host);
+    if (result == STP_OK)
+        result = take_pipelines(env, frame, &host->pass);
     if (result == STP_OK)
         result = make_descriptors(env, frame);
     return keep_or_destroy(result, frame);
@@ -285,7 +159,8 @@ void record_frame_destroy(struct record_frame *frame)
     struct stp_context *c = frame->context;
     if (!c)
         return;
-    leave_pipelines(c, frame->pipelines);
+    if (frame->pipelines)
+        gpu_leave_kept(c, &frame->pipelines->kept);
     if (frame->queries)
         c->vk.vkDestroyQueryPool(c->device, frame->queries, NULL);
     if (frame->resources.pool)

@@ -75,8 +75,6 @@ static enum stp_result fill(const struct stp_env *env, const struct stp_plan *pl
     frame->width = plan->camera.width;
     frame->height = plan->camera.height;
     struct record_host host = { .pass = frame->host, .scratch = params->scratch };
-    if (params->share)
-        host.pipelines = params->share->record.pipelines;
     enum stp_result result = own_plan(env, plan, params, &frame->plan);
     return result == STP_OK
                ? record_frame_create_hosted(env, frame->context, frame->plan, &host, &frame->record)

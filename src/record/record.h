@@ -12,13 +12,13 @@ struct splats;
 struct stp_scene;
 struct record_share;
 
-/* What frames of one plan share. */
+/* What frames share whose plans are alike but for sizes and splats; the context keeps it. */
 struct record_pipelines {
-    unsigned users;
+    struct gpu_kept kept;
     VkDescriptorSetLayout set_layout;
     VkPipelineLayout layout;
-    VkPipeline pipeline[PLAN_MAX_PASSES];
-    VkPipeline host; /* the last pass of a host's frame */
+    VkPipeline pipeline[PLAN_MAX_PASSES]; /* passes that are alike have the same */
+    VkPipeline host;                      /* the last pass of a host's frame */
 };
 
 /* Of a deep picture: the layers that have been read so far. */
@@ -57,6 +57,20 @@ void record_resources_destroy(struct stp_context *context, struct pass_resources
 VkMemoryRequirements record_resources_need(const struct stp_context *context,
                                            const struct stp_plan *plan, unsigned wanted);
 
+/* What is bound beside the frame block, whose binding is 0: images and texels. */
+struct record_bindings {
+    uint32_t count;
+    uint32_t binding[PLAN_SLOTS];
+    uint8_t resource[PLAN_SLOTS];
+    VkDescriptorType type[PLAN_SLOTS];
+};
+
+/* pipelines.c. What is taken is left with gpu_leave_kept; host NULL: no host's frame. */
+struct record_bindings record_bindings(const struct stp_plan *plan);
+enum stp_result record_pipelines_take(const struct stp_env *env, struct stp_context *context,
+                                      const struct stp_plan *plan, const struct pass_host *host,
+                                      struct record_pipelines **pipelines);
+
 /* frame.c: with the scene's buffers, outputs that can be read back, and queries. */
 enum stp_result record_frame_create(const struct stp_env *env, struct stp_context *context,
                                     const struct stp_plan *plan, struct record_frame *frame);
@@ -66,7 +80,6 @@ void record_frame_destroy(struct record_frame *frame);
 struct record_host {
     struct pass_host pass;
     const struct stp_device_memory *scratch; /* NULL: memory of its own */
-    struct record_pipelines *pipelines;      /* NULL: compiled */
 };
 enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp_context *context,
                                            const struct stp_plan *plan,

@@ -43,7 +43,28 @@ void no_misuse(const struct fault_controls *fault, const char *what, unsigned li
 enum stp_result subject_render(struct subject *s, struct stp_image **image)
 {
     s->device.lines = 0;
-    return stp_render(&s->device.env, s->device.context, s->scene, s->plan, s->repeat, image, NULL);
+    enum stp_result result =
+        stp_render(&s->device.env, s->device.context, s->scene, s->plan, s->repeat, image, NULL);
+    subject_rendered(s);
+    return result;
+}
+
+void subject_rendered(struct subject *s)
+{
+    s->made = s->device.context->kept != NULL;
+    if (!s->warm)
+        gpu_trim(s->device.context);
+}
+
+void subject_warm(struct subject *s)
+{
+    struct stp_image *image = NULL;
+    s->warm = true;
+    s->fault.arm(0, 0, false);
+    assert_int_equal(subject_render(s, &image), STP_OK);
+    expect_same_bits(image, s->image, s->what);
+    stp_image_destroy(&image);
+    s->live = s->fault.read().live;
 }
 
 void subject_open(struct subject *s, const struct stp_scene *scene, const struct way *way,

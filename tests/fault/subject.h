@@ -30,11 +30,18 @@ struct subject {
     const char *what;
     unsigned live; /* the context's own objects */
     unsigned repeat;
+    bool warm; /* the context keeps pipelines between renders; else every render makes all */
+    bool made; /* the last render got as far as having its pipelines */
 };
 /* The subject must not move. */
 void subject_open(struct subject *s, const struct stp_scene *scene, const struct way *way,
                   unsigned repeat);
 enum stp_result subject_render(struct subject *s, struct stp_image **image);
+/* After every render, also of a context's own. */
+void subject_rendered(struct subject *s);
+/* From here on the context keeps the pipelines: cold renders, up to where those stand, and warm
+ * ones have every call and every allocation between them. */
+void subject_warm(struct subject *s);
 void subject_close(struct subject *s);
 
 /* No wrong use so far, and exactly `live` objects. */

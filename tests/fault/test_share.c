@@ -38,10 +38,10 @@ static enum stp_result render_share(struct subject *s, struct stp_image **image)
     s->device.lines = 0;
     enum stp_result result = stp_render_share(&s->device.env, s->device.context, s->scene, s->plan,
                                               &machines, 0, image, NULL);
+    subject_rendered(s);
     assert_int_equal(alone.asked_again, 0);
     assert_int_equal(alone.agreed, result);
     assert_int_equal(s->device.context->allocated, 0);
-    no_misuse(&s->fault, s->what, s->live);
     return result;
 }
 
@@ -63,34 +63,67 @@ static void expect_failure(struct subject *s, enum stp_result got, const struct 
                  s->device.lines, s->device.last);
 }
 
-static void fail_all(bool out_of_sight)
+/* False: none was made to fail, and the picture is whole. */
+static bool fail_call(struct subject *s, unsigned long n)
+{
+    struct stp_image *image = NULL;
+    s->fault.arm(n, (unsigned)n, true);
+    enum stp_result result = render_share(s, &image);
+    bool injected = s->fault.read().injected[0] != 0;
+    no_misuse(&s->fault, s->what, s->live);
+    if (injected)
+        expect_failure(s, result, image);
+    else
+        expect_same_bits(image, s->image, "shared by one");
+    s->fault.arm(0, 0, false);
+    stp_image_destroy(&image);
+    return injected;
+}
+
+static bool fail_allocation(struct subject *s, unsigned long n)
+{
+    struct stp_image *image = NULL;
+    mem_fail_at(n);
+    enum stp_result result = render_share(s, &image);
+    mem_fail_at(0);
+    bool failed = !image;
+    no_misuse(&s->fault, s->what, s->live);
+    if (failed)
+        expect_failure(s, result, image);
+    stp_image_destroy(&image);
+    return failed;
+}
+
+typedef bool fail_fn(struct subject *s, unsigned long n);
+
+/* The n-th of all; of a cold context's up to its pipelines, which the warm one has. */
+static void fail_each(fail_fn *fail_at, struct stp_scene *scene, unsigned long least)
 {
     struct subject s;
-    struct stp_scene *scene = small_scene();
     struct stp_image *image = NULL;
-    bool injected = true;
-    find_faults().discrete(out_of_sight);
+    unsigned long cold = 1, warm = 1;
     subject_open(&s, scene, &two_pass, 0);
     open_shared(&s, scene);
-    for (unsigned long n = 1; injected; n++) {
-        s.fault.arm(n, (unsigned)n, true);
-        enum stp_result result = render_share(&s, &image);
-        injected = s.fault.read().injected[0] != 0;
-        if (injected)
-            expect_failure(&s, result, image);
-        s.fault.arm(0, 0, false);
-    }
-    expect_same_bits(image, s.image, "shared by one");
-    stp_image_destroy(&image);
-    for (unsigned long n = 1; !image; n++) {
-        mem_fail_at(n);
-        enum stp_result result = render_share(&s, &image);
-        mem_fail_at(0);
-        if (!image)
-            expect_failure(&s, result, image);
-    }
+    while (fail_at(&s, cold) && !s.made)
+        cold++;
+    s.warm = true;
+    assert_int_equal(render_share(&s, &image), STP_OK);
+    s.live = s.fault.read().live;
+    while (fail_at(&s, warm))
+        warm++;
+    assert_true(cold > least && warm > least);
     stp_image_destroy(&image);
     subject_close(&s);
+}
+
+static void fail_all(bool out_of_sight)
+{
+    struct stp_scene *scene = small_scene();
+    find_faults().discrete(out_of_sight);
+    fail_each(fail_call, scene, 30);
+    stp_scene_destroy(&scene);
+    scene = small_scene();
+    fail_each(fail_allocation, scene, 2);
     stp_scene_destroy(&scene);
     find_faults().discrete(false);
 }

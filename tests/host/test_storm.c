@@ -35,16 +35,14 @@ static struct drawn open_drawn(struct stage *s, unsigned scene, unsigned way)
                                             .depth_reversed = true };
     d.plan = stage_plan(&s->engine, s->context, d.scene, &largest, &ways[way]);
     d.resident = stage_resident(&s->engine, s->context, d.scene, d.plan, NULL);
-    for (int i = 0; i < ENGINE_FRAMES; i++) {
+    for (int i = 0; i < ENGINE_FRAMES; i++)
         d.frame[i] = stage_frame(&s->engine, s->context, d.plan, &params);
-        params.share = d.frame[0];
-    }
     return d;
 }
 
 static void close_drawn(struct drawn *d)
 {
-    for (int i = 0; i < ENGINE_FRAMES; i++) /* the one that the others share goes first */
+    for (int i = 0; i < ENGINE_FRAMES; i++) /* the one that compiled their pipelines goes first */
         stp_frame_destroy(&d->frame[i]);
     stp_resident_destroy(&d->resident);
     stp_plan_destroy(&d->plan);

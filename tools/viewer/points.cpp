@@ -66,7 +66,6 @@ void Points::choose(unsigned way, const stp_camera &largest, VkFormat color, VkF
         stp_frame *made = nullptr;
         check(stp_frame_create(nullptr, context_.get(), plan, &wanted, &made), "making a frame");
         frame.reset(made);
-        wanted.share = frames_[0].get();
     }
 }
 
