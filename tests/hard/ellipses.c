@@ -4,16 +4,6 @@
 
 #define SPLATS 14 /* each a group of its own: a layer of `deferred` */
 
-static void show(struct hard_scene *s, struct hard_points *cloud, struct stp_camera camera,
-                 double min_splat)
-{
-    points_round(cloud);
-    s->scene = points_scene(cloud, 0.02, 2);
-    s->camera = camera;
-    s->params = (struct stp_render_params){ .min_splat = min_splat };
-    points_release(cloud);
-}
-
 /* ---- outlines */
 
 /* Aspects of 1 to 10^6; `thin` is the lesser semi-axis, or, negative, the larger one negated. */
@@ -31,7 +21,7 @@ static void needles(const struct hard_options *o, struct hard_scene *s, double t
         random_field(&seed, 0.5, e);
         points_paint(&cloud, at, hard_color(&seed));
     }
-    show(s, &cloud, plain_camera(o->width, o->height, 1.6 * o->height), floor);
+    hard_show(s, &cloud, plain_camera(o->width, o->height, 1.6 * o->height), floor);
 }
 
 static void needles_bare(const struct hard_options *o, struct hard_scene *s)
@@ -61,7 +51,7 @@ static void edge_on(const struct hard_options *o, struct hard_scene *s, double f
         random_field(&seed, 1, e);
         random_clips(&seed, e);
     }
-    show(s, &cloud, plain_camera(o->width, o->height, 1.6 * o->height), floor);
+    hard_show(s, &cloud, plain_camera(o->width, o->height, 1.6 * o->height), floor);
 }
 
 static void edge_on_bare(const struct hard_options *o, struct hard_scene *s)
@@ -92,7 +82,7 @@ static void across_near(const struct hard_options *o, struct hard_scene *s)
         points_paint(&cloud, at, hard_color(&seed));
     }
     camera.near_depth = 0.2;
-    show(s, &cloud, camera, -1);
+    hard_show(s, &cloud, camera, -1);
 }
 
 /* Dots of the floor, of needles and of wide ellipses alike, some cut. */
@@ -110,7 +100,7 @@ static void dots(const struct hard_options *o, struct hard_scene *s)
         random_clips(&seed, e);
         points_paint(&cloud, at, hard_color(&seed));
     }
-    show(s, &cloud, plain_camera(o->width, o->height, 1.3 * o->height), 4);
+    hard_show(s, &cloud, plain_camera(o->width, o->height, 1.3 * o->height), 4);
 }
 
 /* ---- clip lines: which pixels are there */
@@ -145,7 +135,7 @@ static void wedges(const struct hard_options *o, struct hard_scene *s)
         points_paint(&cloud, at, e.reflex ? v3(1, 0.5, 0) : v3(0, 0.5, 1));
     }
     double unit = fmin(o->width / 8.4, o->height / 6.4);
-    show(s, &cloud, flat_camera(o->width, o->height, unit), -1);
+    hard_show(s, &cloud, flat_camera(o->width, o->height, unit), -1);
     s->truth[0] = o->seed;
 }
 

@@ -2,9 +2,6 @@
  * the fitted splats; the truth is what was sampled. Flat things: fits_flat.c. */
 #include "hard.h"
 
-#define GROUPED 40 /* dB */
-#define PACKED  70 /* dB: rims alone have weights that 12 bits know to a per cent */
-
 /* ---- few samples */
 
 #define LINES 12
@@ -168,13 +165,13 @@ static const struct hard_case cases[] = {
     { "Opposed normals in one neighbourhood",
       "Half of all samples turned about at random: the sphere's normals, to the third order in a "
       "splat's size and a few tolerances",
-      opposed, check_sphere, GROUPED, 0, PACKED, 0, NULL, 0 },
-    { "Every sample three times", "The bits of the fit of one each", duplicates, NULL, GROUPED,
-      INFINITY, PACKED, 0, NULL, 0 },
+      opposed, check_sphere, HARD_FIT_GROUPED, 0, HARD_FIT_PACKED, 0, NULL, 0 },
+    { "Every sample three times", "The bits of the fit of one each", duplicates, NULL,
+      HARD_FIT_GROUPED, INFINITY, HARD_FIT_PACKED, 0, NULL, 0 },
     { "A tolerance of zero", "The bits of the points: each stays a splat of its own", of_zero, NULL,
-      GROUPED, INFINITY, PACKED, 0, NULL, 0 },
+      HARD_FIT_GROUPED, INFINITY, HARD_FIT_PACKED, 0, NULL, 0 },
     { "A tolerance of the whole size",
       "Few splats, none of more than 75 degrees of normals: sound, and no ray goes through", of_all,
-      check_of_all, GROUPED, 0, PACKED, 0, NULL, 0 },
+      check_of_all, HARD_FIT_GROUPED, 0, HARD_FIT_PACKED, 0, NULL, 0 },
 };
 const struct hard_family hard_fits = { "fits", cases, sizeof cases / sizeof *cases };

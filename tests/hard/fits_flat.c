@@ -1,9 +1,6 @@
 /* Fits of what is flat: thin sheets, open borders, steep normals, corners of three planes. */
 #include "hard.h"
 
-#define GROUPED 40 /* dB */
-#define PACKED  70 /* dB: rims alone have weights that 12 bits know to a per cent */
-
 /* A frame of flat scenes: w is 31 degrees off the eye's direction, so that none is edge-on. */
 struct tilted_frame {
     struct vec3 u, v, w;
@@ -29,7 +26,8 @@ static void add_square(struct hard_points *cloud, const struct tilted_frame *f, 
                        double z, double side, uint32_t *seed)
 {
     for (size_t i = 0; i < count; i++) {
-        struct vec3 p = place(f, hard_random(seed) - 0.5, hard_random(seed) - 0.5, z);
+        double x = hard_random(seed) - 0.5, y = hard_random(seed) - 0.5;
+        struct vec3 p = place(f, x, y, z);
         points_add(cloud, p, v3_scale(f->w, side), 1.5 / sqrt((double)count));
     }
 }
@@ -233,18 +231,18 @@ static double check_corners(const struct hard_scene *s, const struct stp_image *
 static const struct hard_case cases[] = {
     { "Thin sheets, a tenth of the tolerance apart",
       "The front's own plane and normal, to rounding: no splat holds samples of both sides", thin,
-      check_thin, GROUPED, 0, 0, 0, NULL, 0 },
+      check_thin, HARD_FIT_GROUPED, 0, 0, 0, NULL, 0 },
     { "An open border",
       "The square is covered, in its plane; nothing is drawn farther off than the circle about it, "
       "and two spacings",
-      open_border, check_border, GROUPED, 0, 0, 0, NULL, 0 },
+      open_border, check_border, HARD_FIT_GROUPED, 0, 0, 0, NULL, 0 },
     { "Normals of 85 degrees in a flat fit",
       "The plane to the tolerance, and no normal past a right angle from it", steep, check_steep,
-      GROUPED, 0, PACKED, 0, NULL, 0 },
+      HARD_FIT_GROUPED, 0, HARD_FIT_PACKED, 0, NULL, 0 },
     { "Corners of three planes",
       "Each face's plane and normal, to rounding, from 2.5 samples off its edges; nothing sticks "
       "out "
       "farther",
-      corners, check_corners, GROUPED, 0, 0, 0, NULL, 0 },
+      corners, check_corners, HARD_FIT_GROUPED, 0, 0, 0, NULL, 0 },
 };
 const struct hard_family hard_fits_flat = { "fits_flat", cases, sizeof cases / sizeof *cases };

@@ -95,6 +95,9 @@ enum stp_result points_try(const struct stp_env *env, const struct hard_points *
  * orthographic, `distance` being what the picture is high. */
 struct stp_camera hard_look(const struct hard_options *o, struct vec3 target, double distance,
                             double fov_y);
+/* What the cloud is, rounded and with an epsilon of 0.02, as the camera sees it; releases it. */
+void hard_show(struct hard_scene *s, struct hard_points *cloud, struct stp_camera camera,
+               double min_splat);
 struct vec3 hard_towards_eye(const struct hard_options *o);
 double hard_random(uint32_t *seed); /* [0, 1) */
 struct vec3 hard_color(uint32_t *seed);
@@ -134,6 +137,10 @@ struct stp_image *hard_reference(const struct stp_scene *scene, const struct stp
  * both cover. */
 double hard_psnr(const struct stp_image *image, const struct stp_image *truth);
 
+/* dB asked of fits: of `deferred`; of packed keys, where rims alone have weights that their 12 bits
+ * know to a per cent. */
+#define HARD_FIT_GROUPED 40
+#define HARD_FIT_PACKED  70
 /* fitted.c: the scene's points are fitted, and the fit is held to what it promises of every one. */
 struct stp_fit hard_fit(struct hard_scene *s, const struct hard_points *cloud, double epsilon,
                         double tolerance);

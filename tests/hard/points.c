@@ -201,3 +201,13 @@ struct stp_camera hard_look(const struct hard_options *o, struct vec3 target, do
     look_at(&camera, v3_add(target, v3_scale(hard_towards_eye(o), distance)), target);
     return camera;
 }
+
+void hard_show(struct hard_scene *s, struct hard_points *cloud, struct stp_camera camera,
+               double min_splat)
+{
+    points_round(cloud);
+    s->scene = points_scene(cloud, 0.02, 2);
+    s->camera = camera;
+    s->params = (struct stp_render_params){ .min_splat = min_splat };
+    points_release(cloud);
+}
