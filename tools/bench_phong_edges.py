@@ -5,8 +5,8 @@
 
 The mesh (without one: a generated solid with convex and reflex edges, and corners of three planes)
 is sampled evenly, each sample with its face's normal; --cloud takes points of the same surface
-instead. Splats are fitted with tolerances of so many diagonals of the bounding box, once as they
-come and once with --fit-smooth, and drawn from three sides without perspective, without what faces
+instead. Splats are fitted with tolerances of so many diagonals of the bounding box; drawn as they
+come, the same ones without their lines, and those of --fit-smooth; from three sides without perspective, without what faces
 away (within epsilon behind an outline it would be averaged with what is seen). Over all pixels
 whose surface lies within 1 % of the diagonal of an edge sharper than --sharp degrees: the angle
 between the picture's normal and that of the mesh's face there, found by rasterizing the mesh with
@@ -206,6 +206,25 @@ def normals(cloud, view, folder):
     return found
 
 
+def without_lines(cloud, out):
+    """The same splats, none of them clipped."""
+    with open(cloud, "rb") as source:
+        data = source.read()
+    start = data.index(b"end_header\n") + len(b"end_header\n")
+    sizes = {"double": 8, "float": 4, "uint": 4, "uchar": 1}
+    at, offset = 0, {}
+    for words in map(str.split, data[:start].decode().splitlines()):
+        if words[:1] == ["property"]:
+            offset[words[2]] = at
+            at += sizes[words[1]]
+    body = bytearray(data)
+    for name in ("clip_count", "clip_reflex"):
+        first = start + offset[name]
+        body[first::at] = bytes(len(range(first, len(data), at)))
+    with open(out, "wb") as target:
+        target.write(body)
+
+
 def judge(pairs):
     """Mean angle in degrees, share of wrong ones, share of uncovered ones."""
     angles, uncovered = [], 0
@@ -224,6 +243,13 @@ def measure(cloud, views, truths, folder):
         seen = normals(cloud, view, folder)
         pairs += [(seen[at], n) for at, n in known]
     return judge(pairs)
+
+
+def fit(cloud, few, tolerance, more):
+    """How many splats, and how many of them are clipped."""
+    told = subprocess.run([STIPPLE, "prepare", cloud, "-o", few, "--fit", repr(tolerance), *more],
+                          check=True, capture_output=True, text=True).stderr
+    return re.search(r"-> (\d+) splats.* (\d+) clipped", told).groups()
 
 
 def main():
@@ -254,12 +280,12 @@ def main():
             mesh.sample(options.samples, cloud)
         row("the points", "", "", *measure(cloud, views, truths, folder))
         for share in options.fit:
-            for more in ([], ["--fit-smooth"]):
-                told = subprocess.run([STIPPLE, "prepare", cloud, "-o", few, "--fit",
-                                       repr(share * mesh.size), *more], check=True,
-                                      capture_output=True, text=True).stderr
-                splats, clipped = re.search(r"-> (\d+) splats.* (\d+) clipped", told).groups()
-                row(share, splats, clipped, *measure(few, views, truths, folder))
+            row(share, *fit(cloud, few, share * mesh.size, []), *measure(few, views, truths, folder))
+            bare = os.path.join(folder, "bare.ply")
+            without_lines(few, bare)
+            row(share, "the same", 0, *measure(bare, views, truths, folder))
+            row(share, *fit(cloud, few, share * mesh.size, ["--fit-smooth"]),
+                *measure(few, views, truths, folder))
 
 
 if __name__ == "__main__":

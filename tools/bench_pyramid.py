@@ -3,12 +3,16 @@
 
   tools/bench_pyramid.py time DENSE.ply       paper's Table 1: clouds of 25,000 to 5,000,000 points
                                               out of DENSE, at 512 x 512 and 1024 x 1024; and the
-                                              same clouds by `deferred`, which it is to beat
-  tools/bench_pyramid.py holes FILE.ply...    pixels that the reference covers and it leaves empty,
-                                              and its errors
+                                              same clouds by `deferred`, which it is to beat; then
+                                              what pull and push take at both sizes
+  tools/bench_pyramid.py crossing DENSE.ply   544,000 points of DENSE with discs of several widths:
+                                              where `deferred` is as fast
+  tools/bench_pyramid.py holes FILE...        pixels that the reference covers and it leaves empty,
+                                              and its errors; any file of points
   tools/bench_pyramid.py normals              a sphere 900 pixels across, 1 point in 1 to 256 pixels,
                                               against the true normals
-  tools/bench_pyramid.py samples FILE.ply     error and time with 1, 4 and 16 samples a pixel
+  tools/bench_pyramid.py samples FILE.ply     error, of outlines too, and time with 1, 4 and 16
+                                              samples a pixel
   tools/bench_pyramid.py stream N FOLDER      a sphere of N points (28 bytes each, written there)
                                               from its file: time and memory
 
@@ -20,6 +24,7 @@ import json
 import math
 import os
 import random
+import statistics
 import struct
 import sys
 import tempfile
@@ -34,8 +39,8 @@ HEADER = "ply\nformat binary_little_endian 1.0\nelement vertex %d\n" + "".join(
     "end_header\n"
 
 
-def subset(path, count, out):
-    """Every n-th point, as few as asked for. Returns how many there are."""
+def subset(path, count, out, factor=1):
+    """Every n-th point, as few as asked for, radii times the factor. Returns how many there are."""
     with open(path, "rb") as file:
         total = 0
         for line in iter(file.readline, b"end_header\n"):
@@ -43,10 +48,10 @@ def subset(path, count, out):
                 total = int(line.split()[2])
         data = file.read(total * ROW.size)
     count = min(count, total)
-    wider = math.sqrt(total / count)
+    wider = math.sqrt(total / count) * factor
     with open(out, "wb") as file:
         file.write((HEADER % count).encode())
-        if count == total:
+        if count == total and factor == 1:
             file.write(data)
             return count
         for i in range(count):
@@ -70,8 +75,33 @@ def row(*cells):
     print("| " + " | ".join(str(c) for c in cells) + " |", flush=True)
 
 
+PARTS = ["projection", "gather", "push", "rim"]
+
+
+def part_of(name):
+    if name.startswith(("project", "clear keys")):
+        return "projection"
+    if name == "gather" or name.startswith("rim"):
+        return name.split()[0]
+    return "push" if name.startswith(("pull", "push", "blocks")) else "rest"
+
+
+def spent(stats):
+    """Milliseconds of each part."""
+    parts = dict.fromkeys([*PARTS, "rest"], 0)
+    for one in stats["passes"]:
+        parts[part_of(one["name"])] += one["ms"]
+    return parts
+
+
+def deferred(model, view, size):
+    """Milliseconds by compute and by the rasteriser."""
+    return [run(model, view, size, ["deferred", "--overlap", "0.4", "--path", path], "--repeat",
+                "7")["frame_ms"]["median"] for path in ["compute", "raster"]]
+
+
 def time_table(dense, folder):
-    view, files = os.path.join(folder, "view.json"), []
+    view, files, shares = os.path.join(folder, "view.json"), [], {}
     for count in COUNTS:
         out = os.path.join(folder, f"{count}.ply")
         files.append((subset(dense, count, out), out))
@@ -82,22 +112,49 @@ def time_table(dense, folder):
     for count, model in files:
         for size in SIZES:
             ours = run(model, view, size, ["pyramid"], "--repeat", "7")
-            theirs = min(run(model, view, size, ["deferred", "--overlap", "0.4", *path],
-                             "--repeat", "7")["frame_ms"]["median"]
-                         for path in [["--path", "compute"], ["--path", "raster"]])
-            spent = {}
-            for one in ours["passes"]:
-                name = one["name"]
-                part = ("projection" if name.startswith(("project", "clear keys")) else
-                        "gather" if name == "gather" else
-                        "rim" if name.startswith("rim") else
-                        "push" if name.startswith(("pull", "push", "blocks")) else "rest")
-                spent[part] = spent.get(part, 0) + one["ms"]
-            frame = ours["frame_ms"]["median"]
-            row(count, f"{size} x {size}",
-                *[f"{spent.get(k, 0):.1f}" for k in ["projection", "gather", "push", "rim"]],
-                f"{frame:.1f}", f"{count / frame / 1e3:.1f} M", f"{theirs:.1f}",
-                f"{theirs / frame:.2f}")
+            theirs = min(deferred(model, view, size))
+            parts, frame = spent(ours), ours["frame_ms"]["median"]
+            shares.setdefault(count, []).append(parts["push"] + parts["rim"])
+            row(count, f"{size} x {size}", *[f"{parts[k]:.1f}" for k in PARTS], f"{frame:.1f}",
+                f"{count / frame / 1e3:.1f} M", f"{theirs:.1f}", f"{theirs / frame:.2f}")
+    print()
+    row("points", *[f"pull, push, shade and rim, {s} x {s}" for s in SIZES], "ratio")
+    print("|---:|" + "---:|" * (len(SIZES) + 1))
+    for count, share in shares.items():
+        row(count, *[f"{ms:.1f}" for ms in share], f"{share[-1] / share[0]:.2f}")
+
+
+def pixels_of_radius(model, view, size):
+    """What a disc of the median radius takes at the depth of the first points, on average."""
+    with open(view, encoding="utf-8") as file:
+        camera = json.load(file)
+    with open(model, "rb") as file:
+        for line in iter(file.readline, b"end_header\n"):
+            pass
+        rows = list(ROW.iter_unpack(file.read(1000 * ROW.size)))
+    toward = camera["world_to_camera"][2]
+    depth = statistics.mean(-sum(t * c for t, c in zip(toward, [*r[:3], 1])) for r in rows)
+    focal = size / 2 / math.tan(math.radians(camera["fov_y_deg"]) / 2)
+    return statistics.median(r[6] for r in rows) * focal / depth
+
+
+def crossing(dense, folder):
+    model, view = (os.path.join(folder, n) for n in ["c.ply", "view.json"])
+    rows = []
+    row("radius, pixels", "pyramid", "`deferred`, compute", "raster", "best over pyramid")
+    print("|---:|" + "---:|" * 4)
+    for factor in [0.25, 0.35, 0.5, 0.7, 1, 1.4, 2, 2.8]:
+        subset(dense, 544000, model, factor)
+        if not rows:
+            bench.camera(model, view)
+        radius = pixels_of_radius(model, view, bench.SIZE)
+        ours = run(model, view, bench.SIZE, ["pyramid"], "--repeat", "7")["frame_ms"]["median"]
+        theirs = deferred(model, view, bench.SIZE)
+        rows.append((radius, min(theirs) / ours))
+        row(f"{radius:.2f}", f"{ours:.1f}", *[f"{ms:.1f}" for ms in theirs], f"{rows[-1][1]:.2f}")
+    for (r, a), (s, b) in zip(rows, rows[1:]):
+        if a <= 1 < b:
+            print(f"\nThey cross at a radius of {r + (s - r) * (1 - a) / (b - a):.2f} pixels.")
 
 
 def planes(path, names):
@@ -137,17 +194,19 @@ def holes(models, folder):
         "normal, mean degrees")
     print("|---|" + "---:|" * 6)
     view, truth, out = (os.path.join(folder, n) for n in ["view.json", "t.exr", "o.exr"])
-    for model in models:
+    for path in models:
+        model = os.path.join(folder, "prepared.ply")
+        bench.stipple("prepare", path, "-o", model, "-q")
         bench.camera(model, view)
-        for method, path in ["reference", truth], ["pyramid", out]:
-            bench.render(model, view, [method], "-o", path, "--compression", "none")
+        for method, picture in ["reference", truth], ["pyramid", out]:
+            bench.render(model, view, [method], "-o", picture, "--compression", "none")
         error = json.loads(bench.stipple("compare", "--json", out, truth))
-        ours, theirs = (planes(path, ["Z"])["Z"] for path in [out, truth])
+        ours, theirs = (planes(picture, ["Z"])["Z"] for picture in [out, truth])
         covered = missing = 0
         for a, b in zip(ours, theirs):
             covered += sum(z < math.inf for z in b)
             missing += sum(z < math.inf <= y for y, z in zip(a, b))
-        row(os.path.basename(model), covered, missing, f"{missing / covered:.1e}",
+        row(os.path.basename(path), covered, missing, f"{missing / covered:.1e}",
             error["coverage_differs"], f"{error['covered']['psnr'] or math.inf:.1f}",
             f"{error['normal_mean']:.2f}")
 
@@ -222,19 +281,29 @@ def normals(folder):
             empty)
 
 
+def outline_error(ours, theirs):
+    """Mean absolute error of coverage, over pixels that either covers in part."""
+    errors = [abs(a - b) for x, y in zip(ours, theirs) for a, b in zip(x, y) if 0 < b < 1 or a != b]
+    return statistics.mean(errors) if errors else 0, len(errors)
+
+
 def samples(model, folder):
     """Against the reference with 64 samples."""
     view, truth, out = (os.path.join(folder, n) for n in ["view.json", "t.exr", "o.exr"])
     bench.camera(model, view)
-    bench.render(model, view, ["reference"], "--samples", "64", "-o", truth)
-    row("samples", "ms a frame", "PSNR, dB", "mean absolute")
-    print("|---:|---:|---:|---:|")
+    plain = ["--compression", "none", "-o"]
+    bench.render(model, view, ["reference"], "--samples", "64", *plain, truth)
+    wanted = planes(truth, ["A"])["A"]
+    row("samples", "ms a frame", "PSNR, dB", "mean absolute", "pixels of outlines",
+        "their coverage, mean absolute")
+    print("|---:|" + "---:|" * 5)
     for count in [1, 4, 16]:
         stats = run(model, view, bench.SIZE, ["pyramid"], "--samples", str(count), "--repeat", "3",
-                    "-o", out)
+                    *plain, out)
         error = json.loads(bench.stipple("compare", "--json", out, truth))["covered"]
+        coverage, pixels = outline_error(planes(out, ["A"])["A"], wanted)
         row(count, f"{stats['frame_ms']['median']:.1f}", f"{error['psnr']:.1f}",
-            f"{error['mean_absolute']:.2e}")
+            f"{error['mean_absolute']:.2e}", pixels, f"{coverage:.3f}")
 
 
 def write_cloud(count, path):
@@ -271,12 +340,14 @@ def stream(count, folder):
 
 def main():
     parser = argparse.ArgumentParser(usage=__doc__)
-    parser.add_argument("table", choices=["time", "holes", "normals", "samples", "stream"])
+    parser.add_argument("table", choices=["time", "crossing", "holes", "normals", "samples", "stream"])
     parser.add_argument("arguments", nargs="*")
     given = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         if given.table == "time":
             time_table(given.arguments[0], folder)
+        elif given.table == "crossing":
+            crossing(given.arguments[0], folder)
         elif given.table == "holes":
             holes(given.arguments, folder)
         elif given.table == "normals":

@@ -77,6 +77,7 @@ layout(constant_id = 33) const uint PHONG = 0;            // 0 all are discs, 1 
 layout(constant_id = 34) const uint SHADE = 0;            // 0 pixels, 1 splats, 2 the nearest splat, flat
 layout(constant_id = 35) const bool LIGHT_CUBE = false;   // light is looked up over normals
 layout(constant_id = 36) const bool ELLIPSOIDS = false;  // axis: of range images
+layout(constant_id = 37) const bool CULL_CLUSTERS = false; // pyramid: points, STP_CLUSTER at once
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

@@ -22,12 +22,13 @@ Pushed push_from(uint coarse, ivec2 p, vec2 at, bool hiding)
     ivec2 first = (global >> 1) - level_origin(coarse);
     Texel t[4];
     float depth[4];
-    bool full = true;
+    bool full = true, rim = false;
     Pushed r;
     r.front = r.reach = r.before = NOTHING;
     [[unroll]] for (int i = 0; i < 4; i++) {
         t[i] = texel_load(coarse, first + ivec2(i & 1, i >> 1) * side);
         Texel disc = t[i];
+        rim = rim || t[i].rim || !texel_valid(t[i]);
         float spread = 0.75 * float(1u << coarse) * (ORTHOGRAPHIC ? 1 : disc.depth) *
                        max(frame.inv_focal[0], frame.inv_focal[1]);
         disc.radius = hiding && disc.full ? max(disc.radius, spread) : disc.radius;
@@ -42,7 +43,7 @@ Pushed push_from(uint coarse, ivec2 p, vec2 at, bool hiding)
     r.weight = r.depth = 0;
     r.count = 0;
     r.normal = vec3(0);
-    r.disc = Texel(0, 0, 0, vec3(0), vec2(0), false);
+    r.disc = Texel(0, 0, 0, vec3(0), vec2(0), false, rim);
     r.attributes = Attributes(vec3(0), STP_NO_ID, 0);
     [[unroll]] for (int i = 0; i < 4; i++) {
         bool counts = depth[i] < NOTHING && depth[i] <= r.reach;

@@ -17,6 +17,7 @@ struct Texel {
     vec3 normal; // camera frame
     vec2 center; // pixels
     bool full;   // the surface goes on all over the texel, as far as its points tell
+    bool rim;    // pushed, and beside it nothing is: it may reach farther than the points' discs
 };
 
 struct Attributes {
@@ -59,7 +60,8 @@ Texel texel_unpack(uvec4 u, vec2 middle)
     Texel t;
     vec2 size = unpackHalf2x16(u.y) * frame.radius_unit;
     t.depth = uintBitsToFloat(u.x);
-    t.extent = size.x;
+    t.extent = abs(size.x);
+    t.rim = (u.y & 0x8000u) != 0; // the sign of the extent
     t.radius = abs(size.y);
     t.full = (u.y & 0x80000000u) != 0; // the sign of the radius
     t.normal = octahedral_decode(u.z);
@@ -70,8 +72,8 @@ Texel texel_unpack(uvec4 u, vec2 middle)
 uvec4 texel_pack(Texel t, vec2 middle)
 {
     uint size = packHalf2x16(vec2(t.extent, t.radius) * frame.radius_scale);
-    return uvec4(floatBitsToUint(t.depth), t.full ? size | 0x80000000u : size,
-                 octahedral_encode(t.normal), packHalf2x16(t.center - middle));
+    size |= (t.full ? 0x80000000u : 0) | (t.rim ? 0x8000u : 0);
+    return uvec4(floatBitsToUint(t.depth), size, octahedral_encode(t.normal), packHalf2x16(t.center - middle));
 }
 
 // Texels beyond the level's edge are empty.
@@ -127,7 +129,7 @@ bool disc_miss(Texel t, vec2 q, out float depth, out float away2, out float reac
     PRECISE float radius = max(t.radius, least), slope = least / radius;
     PRECISE vec3 view = ray * inversesqrt(dot(ray, ray)), n = t.normal;
     PRECISE float facing = dot(n, view);
-    if (abs(facing) < slope) {
+    if (FLOOR && abs(facing) < slope) {
         PRECISE vec3 along = n - facing * view;
         float flat_ = facing < 0 ? -slope : slope;
         n = flat_ * view + along * (sqrt(1 - slope * slope) * inversesqrt(max(dot(along, along), 1e-20)));

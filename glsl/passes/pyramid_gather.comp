@@ -9,29 +9,28 @@
 layout(local_size_x_id = 22) in;
 layout(set = 0, binding = STP_BINDING_RADII) uniform samplerBuffer point_radii;
 
-void gather(uvec2 p, uint id)
+const Texel EMPTY = Texel(NOTHING, 0, 0, vec3(0), vec2(0), false, false);
+
+void gather(uvec2 p, uint index, bool found)
 {
-    bool found = id - push_first < push_count;
-    uint index = found ? id - push_first : 0;
     Splat s;
     uvec2 pixel;
     vec2 offset;
     point_load(index, s);
     point_pixel(s, pixel, offset);
     Texel t;
-    t.depth = found ? s.center.z : NOTHING;
+    t.depth = s.center.z;
     t.extent = 0;
     t.radius = texelFetch(point_radii, int(index)).x;
     t.normal = s.normal;
     t.center = level_middle(0, ivec2(p)) + offset;
     t.full = true;
-    if (!found && id != STP_NO_POINT)
+    t.rim = false;
+    if (!found)
         return;
     texel_store(0, ivec2(p), t);
 #if ATTRIBUTES > 0
-    if (!found)
-        return;
-    Attributes a = Attributes(vec3(0), id, 0);
+    Attributes a = Attributes(vec3(0), push_first + index, 0);
     if (HAS_COLOR)
         a.color = frame.colors.v[index] * frame.pyramid_color;
     if (HAS_OBJECTS)
@@ -40,14 +39,26 @@ void gather(uvec2 p, uint id)
 #endif
 }
 
+// A thread's pixels up to its next winner, which lets a CPU device pass over what is empty.
 void main()
 {
     uint block = workgroup_index(), columns = frame.grid_width / STP_BLOCK;
     if (block >= columns * (frame.grid_height / STP_BLOCK))
         return;
     uvec2 corner = uvec2(block % columns, block / columns) * STP_BLOCK;
-    for (uint i = gl_LocalInvocationIndex; i < STP_GROUP; i += gl_WorkGroupSize.x) {
-        uint id = UintRef(uint64_t(frame.keys)).v[2 * (block * STP_GROUP + i)];
-        gather(corner + uvec2(i % STP_BLOCK, i / STP_BLOCK), id);
+    for (uint i = gl_LocalInvocationIndex; i < STP_GROUP;) {
+        bool found = false;
+        uint index = 0;
+        uvec2 p = corner;
+        for (; i < STP_GROUP && !found; i += gl_WorkGroupSize.x) {
+            // Loads are not always masked.
+            uint id = UintRef(uint64_t(frame.keys)).v[2 * (block * STP_GROUP + min(i, STP_GROUP - 1))];
+            p = corner + uvec2(i % STP_BLOCK, i / STP_BLOCK);
+            found = id - push_first < push_count;
+            index = found ? id - push_first : 0;
+            if (id == STP_NO_POINT)
+                texel_store(0, ivec2(p), EMPTY);
+        }
+        gather(p, index, found);
     }
 }

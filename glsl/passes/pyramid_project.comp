@@ -11,6 +11,7 @@
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #include "lib/points.glsl"
+#include "lib/clusters.glsl"
 layout(local_size_x_id = 22) in;
 
 void project(uint index)
@@ -37,10 +38,30 @@ void project(uint index)
 #endif
 }
 
+// A bit for each of the run's clusters that may be seen. Every thread tests them all: what threads tell
+// each other would cost a CPU device more.
+uint clusters_seen(uint first)
+{
+    uint seen = 0;
+    for (uint i = 0; i < STP_POINT_RUN / STP_CLUSTER; i++) {
+        uint point = first + i * STP_CLUSTER;
+        seen |= point < push_count && cluster_seen(point / STP_CLUSTER) ? 1u << i : 0;
+    }
+    return seen;
+}
+
 void main()
 {
     uint first = workgroup_index() * STP_POINT_RUN;
-    for (uint i = gl_LocalInvocationIndex; i < STP_POINT_RUN; i += gl_WorkGroupSize.x)
-        if (first + i < push_count)
-            project(first + i);
+    uint seen = CULL_CLUSTERS ? clusters_seen(first) : 0xffffffffu >> (32 - STP_POINT_RUN / STP_CLUSTER);
+    uint count = bitCount(seen) * STP_CLUSTER, cluster = 0;
+    for (uint i = gl_LocalInvocationIndex; i < count; i += gl_WorkGroupSize.x) {
+        if (i % STP_CLUSTER < gl_WorkGroupSize.x) { // the first of another
+            cluster = first + findLSB(seen) * STP_CLUSTER;
+            seen &= seen - 1;
+        }
+        uint index = cluster + i % STP_CLUSTER;
+        if (index < push_count)
+            project(index);
+    }
 }

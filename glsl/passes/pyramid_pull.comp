@@ -11,7 +11,7 @@ layout(local_size_x_id = 22) in;
 void pull(uint level, ivec2 p)
 {
     ivec2 first = 2 * (p + level_origin(level)) - level_origin(level - 1);
-    Texel child[4], mean = Texel(0, 0, 0, vec3(0), vec2(0), false);
+    Texel child[4], mean = Texel(0, 0, 0, vec3(0), vec2(0), false, false);
     float front = NOTHING, reach = NOTHING, count = 0, full = 0;
     Attributes a = Attributes(vec3(0), STP_NO_ID, 0), frontmost = a;
     for (int i = 0; i < 4; i++)

@@ -11,15 +11,19 @@
 uint surface_object;
 #include "lib/shade.glsl"
 #include "lib/own.glsl"
+#include "lib/push.glsl"
+#include "lib/rim_surface.glsl"
 layout(local_size_x_id = 22) in;
 
-void fill(uvec2 p, uvec2 pixel)
+// Which of the nine points the pixel shows, and its depth there. False: nothing changes.
+bool look(uvec2 p, out ivec2 point, out float nearest)
 {
     vec2 q = rim_position(p);
-    float nearest = NOTHING, reach = NOTHING, depth;
-    ivec2 point = ivec2(p);
+    float reach = NOTHING, depth;
     Texel own = texel_load(0, ivec2(p));
     bool doubtful = texel_valid(own);
+    nearest = NOTHING;
+    point = ivec2(p);
     for (int i = 0; i < 9; i++) {
         ivec2 at = ivec2(p) + ivec2(i % 3 - 1, i / 3 - 1);
         Texel t = texel_load(0, at);
@@ -28,32 +32,34 @@ void fill(uvec2 p, uvec2 pixel)
         nearest = nearer ? depth : nearest;
         point = nearer ? at : point;
     }
-    if (!(nearest < NOTHING) && !doubtful)
-        return;
-    Surface kept = own_surface(own, q, ivec2(p));
-    bool keeps = doubtful && !(kept.depth > reach);
-    Texel t = texel_load(0, point);
-    Attributes a = attributes_load(0, point);
-    Surface s = Surface(1, t.normal, nearest, a.color, t.normal, nearest, a.id, 1);
-    if (keeps)
-        s = kept;
-    else
-        surface_object = a.object;
-    s.albedo /= frame.pyramid_color;
-    surface_write(pixel, true, s);
-    if (!doubtful)
+    if (!doubtful && nearest < NOTHING)
         UintRef(uint64_t(frame.keys)).v[2 * grid_index(p)] = STP_NO_POINT;
+    if (!doubtful)
+        return nearest < NOTHING;
+    float depth_own = own_depth(own, q);
+    bool hidden = depth_own > reach;
+    point = hidden ? point : ivec2(p);
+    nearest = hidden ? nearest : depth_own;
+    return hidden || SAMPLE_GRID > 1; // samples add up, so that the push has not written it
 }
 
+// A thread's pixels up to the next that changes: most of those in doubt do not.
 void main()
 {
     uint first = workgroup_index() * STP_GROUP, count = frame.work.v[STP_WORK_EMPTY + 3];
+    uint end = min(first + STP_GROUP, count);
     uvec2 tile = uvec2(ivec2(frame.tile_x, frame.tile_y) - ivec2(frame.grid_x, frame.grid_y));
-    for (uint i = gl_LocalInvocationIndex; i < STP_GROUP; i += gl_WorkGroupSize.x) {
-        if (first + i >= count)
-            continue;
-        uint at = frame.rim.v[first + i];
-        uvec2 p = uvec2(at % frame.grid_width, at / frame.grid_width);
-        fill(p, p - tile);
+    for (uint i = first + gl_LocalInvocationIndex; i < end;) {
+        bool changes = false;
+        ivec2 point = ivec2(0);
+        float depth = 0;
+        uvec2 p = uvec2(0);
+        for (; i < end && !changes; i += gl_WorkGroupSize.x) {
+            uint at = frame.rim.v[min(i, end - 1)]; // loads are not always masked
+            p = uvec2(at % frame.grid_width, at / frame.grid_width);
+            changes = look(p, point, depth);
+        }
+        if (changes)
+            surface_write(p - tile, true, rim_surface(ivec2(p), rim_position(p), point, depth));
     }
 }

@@ -1,6 +1,6 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The pixels that points round about reached, shaded as those points' discs.
+// The pixels that points round about reached.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
@@ -9,16 +9,15 @@
 #define SURFACE_OBJECT(s) surface_object
 uint surface_object;
 #include "lib/shade.glsl"
+#include "lib/push.glsl"
+#include "lib/rim_surface.glsl"
 layout(local_size_x_id = 22) in;
 
 void shade_pixel(uvec2 p, uvec2 pixel, uint state, float depth)
 {
     uint from = state - STP_RIM;
     ivec2 point = ivec2(from % frame.grid_width, from / frame.grid_width);
-    Texel t = texel_load(0, point);
-    Attributes a = attributes_load(0, point);
-    surface_object = a.object;
-    surface_write(pixel, true, Surface(1, t.normal, depth, a.color / frame.pyramid_color, t.normal, depth, a.id, 1));
+    surface_write(pixel, true, rim_surface(ivec2(p), rim_position(p), point, depth));
 }
 
 void main()

@@ -27,18 +27,20 @@ void shade_pixel(uint block, ivec2 p, uvec2 pixel)
         surface_object = r.attributes.object;
     }
     s.albedo /= frame.pyramid_color;
-    // A mean's plane may reach beyond near and far.
-    bool hit = copied || (r.weight > 0 && r.depth >= frame.near_depth && r.depth <= frame.far_depth);
+    // A mean's plane may reach beyond near and far, its disc beyond the union of its points'.
+    bool hit = copied || (r.weight > 0 && !(r.disc.rim && !valid) && r.depth >= frame.near_depth &&
+                          r.depth <= frame.far_depth);
     // What lies behind a texel whose mean disc misses it may be hidden by the points' own discs.
     bool doubtful = copied && s.depth > r.before;
-    if (!doubtful)
+    if (!doubtful || SAMPLE_GRID == 1)
         surface_write(pixel, hit, s);
     if (hit && !doubtful)
         return;
     // Points round about may reach here yet: the passes over the rim see to it.
     uint slot = atomicAdd(frame.work.v[STP_WORK_EMPTY + 3], 1);
     frame.rim.v[slot] = uint(p.y) * frame.grid_width + uint(p.x);
-    count_groups(STP_WORK_EMPTY, slot / STP_GROUP + 1);
+    if (slot % STP_GROUP == 0)
+        count_groups(STP_WORK_EMPTY, slot / STP_GROUP + 1);
     if (doubtful)
         return;
     frame.keys.v[grid_index(uvec2(p))] = packUint2x32(uvec2(STP_RIM_NONE, STP_RIM_DEPTH));

@@ -56,6 +56,7 @@
 #define STP_RIM           0x60000000u /* added to the pixel whose point reaches one from outside */
 #define STP_RIM_REACH     255         /* pixels: as far as such a point is looked for */
 #define STP_POINT_RUN     512         /* points that a workgroup projects */
+#define STP_CLUSTER       64          /* points that are culled together */
 #define STP_LEVELS        16          /* of a pyramid, at most */
 #define STP_BLOCK_LEVEL   3           /* whose texels are blocks */
 /* Descriptor bindings of what is fetched as texels; the order is enum plan_slot's. */
@@ -159,6 +160,7 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group; axis: lists */
     STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
     STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
+    STP_ADDRESS(Vec4Ref, clusters);      /* pyramid: 2 a cluster: ball; cone of normals */
     STP_ADDRESS(UintRef, rim);       /* pyramid: empty pixels, then, from the end, those points */
     STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair */
     STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
@@ -169,9 +171,9 @@ struct stp_frame_constants {
     STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour */
     STP_ADDRESS(Vec4Ref, axis_sums); /* axis, in parts: 2 a pixel and walk */
     STP_ADDRESS(UintRef,
-                host_words);       /* the host's depth as it was copied, rows of what was copied */
-    STP_ADDRESS(UintRef, limits);  /* what ends each pixel's ray: bits of the eye depth of the host's
-                                      image; peel: depth_order of what is opaque */
+                host_words);      /* the host's depth as it was copied, rows of what was copied */
+    STP_ADDRESS(UintRef, limits); /* what ends each pixel's ray: bits of the eye depth of the host's
+                                     image; peel: depth_order of what is opaque */
     STP_ADDRESS(Vec4Ref, out_color);
     STP_ADDRESS(Vec3Ref, out_normal);
     STP_ADDRESS(FloatRef, out_depth);

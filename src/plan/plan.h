@@ -53,7 +53,8 @@ enum plan_constant {
     PLAN_PHONG,      /* 0: all are discs; 1: ellipses; 2: some have clip lines */
     PLAN_SHADE,      /* enum stp_shade */
     PLAN_LIGHT_CUBE,
-    PLAN_ELLIPSOIDS, /* axis: every kernel has its own shape, and together they are a surface */
+    PLAN_ELLIPSOIDS,    /* axis: every kernel has its own shape, and together they are a surface */
+    PLAN_CULL_CLUSTERS, /* pyramid: points are culled by STP_CLUSTER before they are projected */
     PLAN_CONSTANTS
 };
 
@@ -84,6 +85,7 @@ enum plan_slot {
     PLAN_ORDER,
     PLAN_WORK,
     PLAN_OBJECTS,
+    PLAN_CLUSTERS,
     PLAN_RIM,
     PLAN_LARGE,
     PLAN_KEYS,

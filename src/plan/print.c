@@ -11,13 +11,13 @@ static const char *const format_names[] = { "buffer",        "R32G32_UINT",
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
 static const char *const constant_names[] = {
-    "groups",       "voronoi",      "packed",    "gauss",       "two_sided",       "cull_back",
-    "floor",        "orthographic", "color",     "objects",     "unknown_normals", "head_light",
-    "local_viewer", "background",   "aovs",      "squarings",   "repair",          "slot_ids",
-    "atomic64",     "layered",      "float64",   "sample_grid", "lanes",           "axis_walks",
-    "axis_cut",     "unlit",        "axis_walk", "axis_part",   "opacity",         "mixed",
-    "optics",       "host_depth",   "deep",      "phong",       "shade",           "light_cube",
-    "ellipsoids",
+    "groups",       "voronoi",       "packed",    "gauss",       "two_sided",       "cull_back",
+    "floor",        "orthographic",  "color",     "objects",     "unknown_normals", "head_light",
+    "local_viewer", "background",    "aovs",      "squarings",   "repair",          "slot_ids",
+    "atomic64",     "layered",       "float64",   "sample_grid", "lanes",           "axis_walks",
+    "axis_cut",     "unlit",         "axis_walk", "axis_part",   "opacity",         "mixed",
+    "optics",       "host_depth",    "deep",      "phong",       "shade",           "light_cube",
+    "ellipsoids",   "cull_clusters",
 };
 _Static_assert(sizeof constant_names / sizeof *constant_names == PLAN_CONSTANTS, "a name each");
 

@@ -79,6 +79,13 @@ static void grid_axis(double size, const struct outline *o, int axis, int32_t *f
     snap(low, high, first, length);
 }
 
+/* Some points may be outside of it. */
+static bool leaves_picture(const struct stp_plan *plan, const struct outline *o)
+{
+    return o->low[0] < 0 || o->low[1] < 0 || o->high[0] > plan->camera.width ||
+           o->high[1] > plan->camera.height;
+}
+
 void plan_pyramid_view(struct stp_plan *plan)
 {
     struct stp_frame_constants *f = &plan->frame;
@@ -93,6 +100,7 @@ void plan_pyramid_view(struct stp_plan *plan)
     plan->rim_far = o.radius + MOST_CROWD > NEAR_REACH;
     if (plan->levels > 6) /* discs of more than a block and a half */
         f->block_reach = plan->levels > 8 ? 4 : 2;
+    plan->constant[PLAN_CULL_CLUSTERS] = plan->constant[PLAN_CULL_BACK] || leaves_picture(plan, &o);
     plan->constant[PLAN_LANES] = plan->limits.processor == 1 ? STP_BLOCK : STP_GROUP;
     grid_axis(plan->camera.width, &o, 0, &plan->grid.x, &plan->grid.width);
     grid_axis(plan->camera.height, &o, 1, &plan->grid.y, &plan->grid.height);
@@ -166,6 +174,9 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
     if (plan->facts.objects > 1)
         plan_resource(plan, "objects", PLAN_OBJECTS, PLAN_SCENE, n * 4);
+    if (plan->constant[PLAN_CULL_CLUSTERS])
+        plan_resource(plan, "clusters", PLAN_CLUSTERS, PLAN_SCENE,
+                      (n + STP_CLUSTER - 1) / STP_CLUSTER * 32);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
 }
@@ -234,6 +245,7 @@ static void project(struct stp_plan *plan, const char *name, enum plan_shader sh
     pass->shader = shader;
     pass->of_points = true;
     plan_reads(plan, pass, PLAN_TEXEL_POINTS);
+    plan_reads(plan, pass, PLAN_CLUSTERS);
     plan_updates(plan, pass, PLAN_KEYS);
 }
 

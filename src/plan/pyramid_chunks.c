@@ -19,7 +19,8 @@ uint64_t plan_chunk_points(const struct stp_plan *plan)
 
 static uint64_t bytes_of_points(const struct stp_plan *plan)
 {
-    return 16 + 4 + (plan->facts.has_color ? 12 : 0) + (plan->facts.objects > 1 ? 4 : 0);
+    return 16 + 4 + (plan->constant[PLAN_CULL_CLUSTERS] ? 1 : 0) +
+           (plan->facts.has_color ? 12 : 0) + (plan->facts.objects > 1 ? 4 : 0);
 }
 
 /* A quarter of the device's memory leaves room for the picture. */

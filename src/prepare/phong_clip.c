@@ -11,29 +11,12 @@
 #define THIRD                                                                                      \
     2.0 /* spacings: so near a third edge no line cuts the ellipse that reaches beyond             \
          */
-#define BENT     0.25 /* spacings: an edge may leave its line by so much */
 #define SPACINGS 0.75 /* a member may be so far beyond the edge where samples straddle it */
 
 #define AREA_GRID 24
 #define PI        3.14159265358979323846
 
-struct xy {
-    double x, y;
-};
-
-static struct xy in_plane(const struct fit_cloud *cloud, uint32_t site, const struct patch_frame *f)
-{
-    struct vec3 d = v3_sub(v3_load(cloud->site[site].p), f->c);
-    return (struct xy){ v3_dot(d, f->u), v3_dot(d, f->v) };
-}
-
-static double line_at(const double line[3], struct xy p)
-{
-    return line[0] * p.x + line[1] * p.y + line[2];
-}
-
-/* Where the plane meets the frame's; false: they are nearly parallel. */
-static bool meet(const struct fit_plane *plane, const struct patch_frame *f, double line[3])
+bool clip_meet(const struct fit_plane *plane, const struct patch_frame *f, double line[3])
 {
     double a = v3_dot(plane->n, f->u), b = v3_dot(plane->n, f->v);
     double length = hypot(a, b);
@@ -87,7 +70,7 @@ static bool note_edges(const struct fit_cloud *cloud, const struct patch_frame *
     struct xy p = in_plane(cloud, site, frame);
     for (unsigned i = 0; id != NO_SITE && i < cloud->crease[id].sides; i++) {
         double line[3], off, sign;
-        if (!meet(&cloud->crease[id].side[i], frame, line))
+        if (!clip_meet(&cloud->crease[id].side[i], frame, line))
             continue;
         off = line_at(line, p);
         struct xy foot = { p.x - off * line[0], p.y - off * line[1] };

@@ -4,6 +4,27 @@
 
 #include "prepare/phong_fit.h"
 
+#define BENT 0.12 /* spacings: an edge may leave its line by so much */
+
+struct fit_plane;
+
+/* In a frame's plane, from its c. */
+struct xy {
+    double x, y;
+};
+
+static inline struct xy in_plane(const struct fit_cloud *cloud, uint32_t site,
+                                 const struct patch_frame *f)
+{
+    struct vec3 d = v3_sub(v3_load(cloud->site[site].p), f->c);
+    return (struct xy){ v3_dot(d, f->u), v3_dot(d, f->v) };
+}
+
+static inline double line_at(const double line[3], struct xy p)
+{
+    return line[0] * p.x + line[1] * p.y + line[2];
+}
+
 /* In the frame's plane, from its c: a x + b y + c >= 0 is kept, a^2 + b^2 = 1. */
 struct clip_lines {
     unsigned count;
@@ -22,6 +43,9 @@ struct clip_track {
  * where an edge is too bent for a line. slack: of a site from its edge's line. */
 bool clip_admits(const struct fit_cloud *cloud, const struct patch_frame *frame, uint32_t site,
                  double slack, struct clip_track *track);
+
+/* The line where the plane meets the frame's; false: they are nearly parallel. */
+bool clip_meet(const struct fit_plane *plane, const struct patch_frame *f, double line[3]);
 
 /* About how much of the ellipse about the frame's c the edges leave: a share of its area. */
 double clip_share(const struct clip_track *track, const double radius[2]);

@@ -179,6 +179,7 @@ struct crease_job {
     struct fit_cloud *cloud;
     uint8_t *run; /* its sites are to be looked at */
     struct finding *finding;
+    uint32_t *lent; /* a site: the crease of a neighbour; NO_SITE: none */
 };
 
 /* A look costs: only where some normal near the run turns as far as between the sides of an edge.
@@ -216,6 +217,32 @@ static void study_range(void *context, size_t begin, size_t end, unsigned worker
         study(job->cloud, &job->finding[i]);
 }
 
+/* A site that was not found to be at an edge, for there noise had the say, though most neighbours
+ * of its side were, is at that of the nearest of them. */
+static uint32_t lent_crease(const struct fit_cloud *cloud, size_t i)
+{
+    uint32_t lent = NO_SITE;
+    unsigned alike = 0, found = 0;
+    for (unsigned k = 0; k < SITE_NEAR; k++) {
+        uint32_t j = cloud->near[i][k];
+        double dot =
+            j == NO_SITE ? 0 : v3_dot(v3_loadf(cloud->site[i].n), v3_loadf(cloud->site[j].n));
+        if ((cloud->signs ? dot : fabs(dot)) < SHARP)
+            continue;
+        alike++;
+        found += cloud->crease_of[j] != NO_SITE;
+        lent = lent == NO_SITE ? cloud->crease_of[j] : lent;
+    }
+    return found >= 2 ? lent : NO_SITE;
+}
+
+static void lend_range(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct crease_job *job = context;
+    for (size_t i = begin; i < end; i++)
+        job->lent[i] = job->cloud->crease_of[i] == NO_SITE ? lent_crease(job->cloud, i) : NO_SITE;
+}
+
 /* Neighbours across an edge part. */
 static void cut_range(void *context, size_t begin, size_t end, unsigned worker)
 {
@@ -249,6 +276,13 @@ static enum stp_result keep_findings(const struct stp_env *env, struct crease_jo
         cloud->crease_of[f->site] = at;
         cloud->crease[at++] = f->crease;
     }
+    job->lent = mem_alloc(cloud->count, sizeof *job->lent);
+    if (!job->lent)
+        return log_no_memory(env, cloud->count * sizeof *job->lent, "sharp features");
+    parallel_for(env, cloud->count, 4096, lend_range, job);
+    for (size_t i = 0; i < cloud->count; i++)
+        cloud->crease_of[i] = job->lent[i] != NO_SITE ? job->lent[i] : cloud->crease_of[i];
+    mem_free(job->lent);
     parallel_for(env, cloud->count, 4096, cut_range, job);
     return STP_OK;
 }

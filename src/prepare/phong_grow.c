@@ -8,7 +8,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
-#include "prepare/phong_clip.h"
+#include "prepare/phong_outline.h"
 #include "prepare/phong_fit.h"
 
 #define RING     24   /* sites that the first frame is estimated from */
@@ -22,6 +22,8 @@
                     */
 #define GROWTH 1.6 /* of the radius where nothing was in the way */
 #define SEED   (-1.0)
+#define BEYOND 0.5  /* squares of the spacing: a splat may show so much beyond an edge */
+#define TRIM   0.75 /* of its members a patch keeps that shows more */
 
 struct reached {
     double metric; /* s^2 + t^2; below 0: the seed, which comes before sites of its own place */
@@ -34,6 +36,7 @@ struct grower {
     uint32_t *stamp, tick; /* of the sites seen */
     struct reached *reached;
     uint32_t *member;
+    double (*room)[2]; /* of an outline */
     size_t capacity;
     bool out_of_memory;
 };
@@ -60,7 +63,10 @@ static bool make_room(struct grower *g, size_t count)
     uint32_t *member = mem_realloc(g->member, capacity, sizeof *member);
     if (member)
         g->member = member;
-    g->out_of_memory = !reached || !member;
+    double(*room)[2] = mem_realloc(g->room, 4 * capacity, sizeof *room);
+    if (room)
+        g->room = room;
+    g->out_of_memory = !reached || !member || !room;
     if (!g->out_of_memory)
         g->capacity = capacity;
     return !g->out_of_memory;
@@ -294,6 +300,27 @@ static void grow(struct grower *g, uint32_t seed, struct patch *made)
     }
 }
 
+/* Fewer members, until the splat shows next to nothing beyond edges that its lines do not follow.
+ */
+static void trim(struct grower *g, struct patch *made)
+{
+    struct outline o;
+    if (!g->cloud->crease || made->count < 2)
+        return;
+    memcpy(g->member, made->member, made->count * sizeof *made->member);
+    patch_outline(g->cloud, made, &made->frame, g->limits->tolerance, g->room, &o);
+    while (o.overhang > BEYOND && made->count > 1) {
+        struct vec3 side = made->frame.n;
+        bool good;
+        do {
+            made->count = (uint32_t)(TRIM * made->count);
+            good = fits(g, made->count, side, &made->frame);
+        } while (made->count > 1 && !good);
+        patch_axes(g->cloud, g->member, made->count, &made->frame);
+        patch_outline(g->cloud, made, &made->frame, g->limits->tolerance, g->room, &o);
+    }
+}
+
 static void grow_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct grow_job *job = context;
@@ -304,8 +331,11 @@ static void grow_range(void *context, size_t begin, size_t end, unsigned worker)
     }
     g->cloud = job->cloud;
     g->limits = job->limits;
-    for (size_t i = begin; i < end && !g->out_of_memory; i++)
+    for (size_t i = begin; i < end && !g->out_of_memory; i++) {
         grow(g, job->seed[i], &job->made[i]);
+        if (!g->out_of_memory)
+            trim(g, &job->made[i]);
+    }
 }
 
 enum stp_result patches_grow(const struct stp_env *env, const struct fit_cloud *cloud,
@@ -324,6 +354,7 @@ enum stp_result patches_grow(const struct stp_env *env, const struct fit_cloud *
         mem_free(job.grower[i].stamp);
         mem_free(job.grower[i].reached);
         mem_free(job.grower[i].member);
+        mem_free(job.grower[i].room);
     }
     mem_free(job.grower);
     if (!failed)

@@ -1,16 +1,11 @@
 #include "prepare/phong_make.h"
 
+#include <float.h>
 #include <math.h>
 #include <string.h>
 
-#include "prepare/phong_clip.h"
-#include "prepare/phong_ellipse.h"
+#include "prepare/phong_outline.h"
 #include "scene/phong.h"
-
-/* Of the mean spacing of a splat's sites: how far its axes reach beyond them, so that the surface
- * between the sites of neighbouring splats is covered too. Splats of few sites overlap less. */
-#define GAP     0.5
-#define GAP_FEW 0.7 /* over the root of the count */
 
 void splat_frame(const float normal[3], const float u[3], struct patch_frame *frame)
 {
@@ -33,24 +28,8 @@ static float round_up(double x)
     return (double)f < x ? nextafterf(f, INFINITY) : f;
 }
 
-/* Where members are in the frame's plane, and the feet of those near an edge; returns how many. */
-static size_t project(const struct splat_maker *m, const struct patch *p,
-                      const struct patch_frame *f, const struct clip_lines *lines, double gap,
-                      double (*point)[2])
-{
-    size_t count = p->count;
-    for (uint32_t k = 0; k < p->count; k++) {
-        struct vec3 d = v3_sub(v3_load(m->cloud->site[p->member[k]].p), f->c);
-        point[k][0] = v3_dot(d, f->u);
-        point[k][1] = v3_dot(d, f->v);
-    }
-    for (uint32_t k = 0; lines->count > 0 && k < p->count; k++)
-        count += clip_feet(lines, point[k][0], point[k][1], 4 * gap, point + count);
-    return count;
-}
-
-/* From the plane's x and y to the ellipse's s and t. Lines that do not meet the ellipse are left.
- */
+/* From the plane's x and y to the ellipse's s and t, outwards by what rounding may move a line.
+ * Lines that do not meet the ellipse are left. */
 static void store_lines(const struct clip_lines *lines, const double center[2],
                         struct stp_phong_splat *phong)
 {
@@ -67,21 +46,9 @@ static void store_lines(const struct clip_lines *lines, const double center[2],
             continue; /* keeps all where both must, or nothing where either may */
         phong->clip[phong->clips][0] = (float)a;
         phong->clip[phong->clips][1] = (float)b;
-        phong->clip[phong->clips++][2] = (float)c;
+        phong->clip[phong->clips++][2] = round_up(c + FLT_EPSILON * (fabs(a) + fabs(b)));
     }
     phong->reflex = lines->reflex && phong->clips == 2;
-}
-
-/* Samples whose discs do not touch are no one surface: there a gap is no wider than their discs. */
-static double mean_spacing(const struct fit_cloud *cloud, const struct patch *p)
-{
-    double sum = 0;
-    for (uint32_t k = 0; k < p->count; k++) {
-        uint32_t sample = cloud->first[p->member[k]];
-        sum += fmin((double)cloud->site[p->member[k]].spacing,
-                    2 * (double)cloud->samples->radius[sample]);
-    }
-    return sum / p->count;
 }
 
 /* Eq. 2-4: normals in the frame, with the third coordinate 1. They are tangents of the tilt: a
@@ -147,40 +114,6 @@ void splat_single(const struct splat_maker *m, uint32_t sample, const float n[3]
     inherit(m, sample, at);
 }
 
-/* The ellipse about the seed, of the shape that the patch grew in. */
-static void grown_ellipse(const struct splat_maker *m, const struct patch *p,
-                          const struct patch_frame *f, size_t count, double center[2],
-                          double radius[2])
-{
-    struct vec3 d = v3_sub(v3_load(m->cloud->site[p->seed].p), f->c);
-    double most = 0, ratio = sqrt(p->shape);
-    center[0] = v3_dot(d, f->u);
-    center[1] = v3_dot(d, f->v);
-    for (size_t k = 0; k < count; k++)
-        most = fmax(most, hypot((m->point[k][0] - center[0]) / ratio,
-                                (m->point[k][1] - center[1]) * ratio));
-    radius[0] = most * ratio * (1 + 1e-12);
-    radius[1] = most / ratio * (1 + 1e-12);
-}
-
-/* The minimum enclosing ellipse; of a patch that edges cut off, the better of two, for the ends of
- * a strip between edges stick out of the one and the far side of a patch that grew from its border
- * out of the other: what the lines leave is to be least. */
-static void fit_ellipse(const struct splat_maker *m, const struct patch *p,
-                        const struct patch_frame *f, const struct clip_lines *lines, size_t count,
-                        double gap, double center[2], double radius[2])
-{
-    double other[2], axes[2];
-    ellipse_enclose((const double(*)[2])m->point, count, 0.1 * gap, center, radius);
-    if (lines->count == 0)
-        return;
-    grown_ellipse(m, p, f, count, other, axes);
-    if (clip_area(lines, other, axes) >= clip_area(lines, center, radius))
-        return;
-    memcpy(center, other, sizeof other);
-    memcpy(radius, axes, sizeof axes);
-}
-
 void splat_make(const struct splat_maker *m, size_t at)
 {
     const struct patch *p = &m->set->patch[at];
@@ -188,29 +121,25 @@ void splat_make(const struct splat_maker *m, size_t at)
     struct splats *out = m->splats;
     struct stp_phong_splat phong = { 0 };
     struct patch_frame f = p->frame;
-    struct clip_lines lines;
-    double center[2], radius[2], share = GAP + GAP_FEW / sqrt(p->count);
-    double gap = share * mean_spacing(cloud, p);
-    if (p->count == 1 && cloud->first[p->seed + 1] - cloud->first[p->seed] == 1) {
+    struct outline o;
+    bool at_edge = cloud->crease && cloud->crease_of[p->seed] != NO_SITE;
+    if (p->count == 1 && cloud->first[p->seed + 1] - cloud->first[p->seed] == 1 && !at_edge) {
         splat_single(m, cloud->first[p->seed], cloud->site[p->seed].n, at);
         return;
     }
-    gap = gap > 0 ? gap : share * (double)cloud->samples->radius[cloud->first[p->seed]];
     inherit(m, cloud->first[p->seed], at);
     store(out->normal[at], f.n);
     store(phong.u, f.u);
     splat_frame(out->normal[at], phong.u, &f);
-    patch_clips(cloud, p, &f, m->tolerance, &lines);
-    size_t count = project(m, p, &f, &lines, gap, m->point);
-    fit_ellipse(m, p, &f, &lines, count, gap, center, radius);
-    struct vec3 c = v3_add(f.c, v3_add(v3_scale(f.u, center[0]), v3_scale(f.v, center[1])));
+    patch_outline(cloud, p, &f, m->tolerance, m->point, &o);
+    struct vec3 c = v3_add(f.c, v3_add(v3_scale(f.u, o.center[0]), v3_scale(f.v, o.center[1])));
     out->position[at][0] = cloud->origin[0] + c.x;
     out->position[at][1] = cloud->origin[1] + c.y;
     out->position[at][2] = cloud->origin[2] + c.z;
     for (int i = 0; i < 2; i++)
-        phong.radius[i] = round_up(radius[i] + gap);
-    store_lines(&lines, center, &phong);
-    fit_field(m, p, &f, center, &phong);
+        phong.radius[i] = round_up(o.radius[i] + o.gap);
+    store_lines(&o.lines, o.center, &phong);
+    fit_field(m, p, &f, o.center, &phong);
     out->radius[at] = fmaxf(phong.radius[0], phong.radius[1]);
     out->phong[at] = phong;
     if (out->color)

@@ -103,6 +103,11 @@ bool record_upload_points(const struct stp_env *env, struct record_frame *frame,
 /* 32 bits of an octahedral map, as unpackSnorm2x16 reads them. */
 uint32_t record_octahedral(const float n[3]);
 
+/* upload_clusters.c: splats [first, first + count), STP_CLUSTER by STP_CLUSTER. */
+enum stp_result record_upload_clusters(const struct stp_env *env, struct record_frame *frame,
+                                       const struct splats *splats, size_t first, size_t count,
+                                       struct gpu_buffer *buffer);
+
 /* upload_phong.c */
 enum stp_result record_upload_ellipses(const struct stp_env *env, struct record_frame *frame,
                                        const struct splats *splats, struct gpu_buffer *buffer);

@@ -156,12 +156,44 @@ static void test_without_atomics(void **state)
     release_inputs(&in);
 }
 
+/* Clusters are there where some can go: back faces, or what lies beyond the picture. 32 bytes each.
+ */
+static void test_clusters(void **state)
+{
+    static const struct {
+        enum stp_cull cull;
+        double focal;
+        bool wanted;
+    } cases[] = { { STP_CULL_NONE, 300, false },
+                  { STP_CULL_BACK, 300, true },
+                  { STP_CULL_NONE, 30000, true } };
+    for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+        struct inputs in = pyramid_inputs();
+        in.camera = plain_camera(1000, 700, cases[i].focal);
+        in.params.cull = cases[i].cull;
+        struct stp_plan *plan = plan_of(&in);
+        const struct plan_resource *clusters = resource_named(plan, "clusters");
+        assert_int_equal(plan->constant[PLAN_CULL_CLUSTERS], cases[i].wanted);
+        assert_int_equal(clusters != NULL, cases[i].wanted);
+        if (clusters)
+            assert_int_equal(clusters->bytes, (100 + STP_CLUSTER - 1) / STP_CLUSTER * 32);
+        stp_plan_destroy(&plan);
+        in.params.method = STP_METHOD_EXACT;
+        plan = plan_of(&in);
+        assert_null(resource_named(plan, "clusters"));
+        assert_int_equal(plan->constant[PLAN_CULL_CLUSTERS], 0);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_levels), cmocka_unit_test(test_only_what_is_needed),
-        cmocka_unit_test(test_grid),   cmocka_unit_test(test_tile_grids),
-        cmocka_unit_test(test_chunks), cmocka_unit_test(test_without_atomics),
+        cmocka_unit_test(test_levels),   cmocka_unit_test(test_only_what_is_needed),
+        cmocka_unit_test(test_grid),     cmocka_unit_test(test_tile_grids),
+        cmocka_unit_test(test_chunks),   cmocka_unit_test(test_without_atomics),
+        cmocka_unit_test(test_clusters),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

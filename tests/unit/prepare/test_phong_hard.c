@@ -70,31 +70,25 @@ static void duplicates(void **state)
     samples_release(&heap);
 }
 
-static double uniform(unsigned *state)
-{
-    *state = *state * 1664525u + 1013904223u;
-    return (double)(*state >> 8) / (1 << 24);
-}
-
 /* Ruffled sheets with up to five samples a place, whose normals lean any way by up to 80 degrees:
  * a place is several sites, and a patch about one of them may hold another without it. */
 static void crowded_places(void **state)
 {
     struct samples s = make(240);
     struct stp_fit fit;
-    unsigned dice = 7;
+    uint64_t dice = 7;
     for (int round = 0; round < 60; round++) {
         for (size_t i = 0; i < s.count; i++) {
-            double away = 6.28318 * uniform(&dice), lean = 1.4 * uniform(&dice);
-            set(&s, i, 10 * uniform(&dice), 10 * uniform(&dice), 0.1 * uniform(&dice),
+            double away = 6.28318 * random_unit(&dice), lean = 1.4 * random_unit(&dice);
+            set(&s, i, 10 * random_unit(&dice), 10 * random_unit(&dice), 0.1 * random_unit(&dice),
                 cos(away) * sin(lean), sin(away) * sin(lean), cos(lean));
-            if (i > 0 && uniform(&dice) < 0.5)
+            if (i > 0 && random_unit(&dice) < 0.5)
                 memcpy(s.position[i], s.position[i - 1], sizeof s.position[0]);
         }
         double tolerance = 1e-4 * pow(10, 0.5 * (round % 9));
         struct stp_scene *scene = fitted(&s, tolerance, &fit);
         is_sound(&scene->splats);
-        covers_all(&scene->splats, &s, tolerance, false);
+        covers_all(&scene->splats, &s, tolerance, true);
         stp_scene_destroy(&scene);
     }
     samples_release(&s);
@@ -188,8 +182,16 @@ static struct samples cube(void)
     return s;
 }
 
-/* How far a splat sticks out of the cube anywhere, in its kept part. */
-static double sticks_out(const struct splats *s, size_t i)
+static double out_of_cube(const double p[3])
+{
+    double most = 0;
+    for (int axis = 0; axis < 3; axis++)
+        most = fmax(most, fmax(p[axis] - 1, -p[axis]));
+    return most;
+}
+
+/* How far a splat sticks out of the solid anywhere, in its kept part. */
+static double sticks_out(const struct splats *s, size_t i, double (*out_of)(const double p[3]))
 {
     double most = 0;
     for (int k = 0; k < 3600; k++) {
@@ -207,8 +209,7 @@ static double sticks_out(const struct splats *s, size_t i)
             q[axis] = s->position[i][axis] + c * u[axis] + d * v[axis];
         if (!locate(s, i, q).covered)
             continue;
-        for (int axis = 0; axis < 3; axis++)
-            most = fmax(most, fmax(q[axis] - 1, -q[axis]));
+        most = fmax(most, out_of(q));
     }
     return most;
 }
@@ -229,7 +230,7 @@ static void cube_keeps_its_edges(void **state)
         covers_all(&scene->splats, &s, 0.01, false);
         assert_true(smooth ? fit.clipped == 0 : fit.clipped > 6);
         for (size_t i = 0; i < scene->splats.count; i++) {
-            out[smooth] = fmax(out[smooth], sticks_out(&scene->splats, i));
+            out[smooth] = fmax(out[smooth], sticks_out(&scene->splats, i, out_of_cube));
             struct at_splat at = locate(&scene->splats, i, scene->splats.position[i]);
             double most = fmax(fmax(fabs(at.normal[0]), fabs(at.normal[1])), fabs(at.normal[2]));
             assert_true(smooth || most > cos(1 * PI / 180));
@@ -237,8 +238,40 @@ static void cube_keeps_its_edges(void **state)
         stp_scene_destroy(&scene);
     }
     assert_true(out[1] > 0.1);
-    assert_true(out[0] <
-                0.06); /* of two samples' spacing: a face has four edges, a splat two lines */
+    assert_true(out[0] < 1e-6);
+    samples_release(&s);
+}
+
+static double out_of_cylinder(const double p[3])
+{
+    return fmax(p[2] - 1, hypot(p[0], p[1]) - 1);
+}
+
+/* The wall and the lid of a cylinder: what covers the lid ends at a bent edge, which lines follow
+ * piece by piece. */
+static void lid_keeps_its_bent_edge(void **state)
+{
+    const size_t count = 9000;
+    struct samples s = make(count);
+    struct stp_fit fit;
+    uint64_t dice = 11;
+    for (size_t i = 0; i < count; i++) {
+        double r = i % 3 ? 1 : sqrt(random_unit(&dice)), angle = 2 * PI * random_unit(&dice);
+        double x = cos(angle), y = sin(angle);
+        if (i % 3)
+            set(&s, i, x, y, random_unit(&dice), x, y, 0);
+        else
+            set(&s, i, r * x, r * y, 1, 0, 0, 1);
+    }
+    struct stp_scene *scene = fitted(&s, 0.002, &fit);
+    double most = 0;
+    covers_all(&scene->splats, &s, 0.002, false);
+    for (size_t i = 0; i < scene->splats.count; i++)
+        if (fabs((double)scene->splats.normal[i][2]) > 0.9)
+            most = fmax(most, sticks_out(&scene->splats, i, out_of_cylinder));
+    assert_true(fit.clipped > 10);
+    assert_true(most < 0.02); /* half the distance to a sample's 6th neighbour */
+    stp_scene_destroy(&scene);
     samples_release(&s);
 }
 
@@ -291,7 +324,7 @@ int main(void)
         cmocka_unit_test(crowded_places),       cmocka_unit_test(thin_sheets),
         cmocka_unit_test(open_border),          cmocka_unit_test(steep_normals),
         cmocka_unit_test(cube_keeps_its_edges), cmocka_unit_test(torus_is_not_sharp),
-        cmocka_unit_test(colors_do_not_mix),
+        cmocka_unit_test(colors_do_not_mix),    cmocka_unit_test(lid_keeps_its_bent_edge),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

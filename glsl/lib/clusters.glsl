@@ -1,0 +1,32 @@
+// Clusters: STP_CLUSTER points that follow each other in canonical order, culled before any of them is
+// projected. A ball holds their centres, a cone their normals: axis, and sine of its half angle; 2: some
+// point has no normal, or they spread over a half space. src/record/upload_clusters.c makes them.
+// Needs lib/points.glsl.
+
+// Beyond the edges of the grid; a pixel for where samples lie in theirs.
+bool beyond_grid(vec3 at, float r)
+{
+    vec2 focal = vec2(frame.focal[0], frame.focal[1]), middle = vec2(frame.center[0], frame.center[1]);
+    vec2 low = middle - vec2(frame.grid_x, frame.grid_y) + 1;
+    vec2 high = low - vec2(frame.grid_width, frame.grid_height) - 2;
+    float depth = ORTHOGRAPHIC ? 1 : at.z, slant = ORTHOGRAPHIC ? 0 : 1;
+    vec2 below = focal * at.xy + low * depth + r * sqrt(focal * focal + slant * low * low);
+    vec2 above = focal * at.xy + high * depth - r * sqrt(focal * focal + slant * high * high);
+    return any(lessThan(below, vec2(0))) || any(greaterThan(above, vec2(0)));
+}
+
+// False: point_load or point_pixel would refuse each of its points, however they round.
+bool cluster_seen(uint cluster)
+{
+    // Loads are not always masked.
+    uint known = min(cluster, (push_count - 1) / STP_CLUSTER);
+    vec4 ball = frame.clusters.v[2 * known], cone = frame.clusters.v[2 * known + 1];
+    const float r[9] = frame.rotation, t[3] = frame.translation;
+    mat3 turn = mat3(r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
+    vec3 place = vec3(t[0], t[1], t[2]), at = turn * ball.xyz + place, axis = turn * cone.xyz;
+    float radius = ball.w + 1e-5 * (length(ball.xyz) + length(place));
+    // Every normal is in the cone, every point within `radius` of `at`.
+    bool behind = ORTHOGRAPHIC ? axis.z >= cone.w : dot(axis, at) >= cone.w * length(at) + radius;
+    bool outside = at.z + radius < frame.near_depth || at.z - radius > frame.far_depth;
+    return !((CULL_BACK && behind) || outside || beyond_grid(at, radius));
+}

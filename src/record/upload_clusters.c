@@ -1,0 +1,89 @@
+/* Clusters of points, for the device to cull (glsl/lib/clusters.glsl). */
+#include <math.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+#include "base/thread.h"
+#include "base/vec.h"
+#include "record/record.h"
+
+#define OPEN_CONE 2    /* no direction is behind it */
+#define SLACK     1e-4 /* of the sine: normals are packed in 32 bits, the device rounds */
+
+struct cluster {
+    float center[3], radius; /* of a ball about the centres, relative to the origin */
+    float axis[3], sine;     /* of a cone about the normals */
+};
+
+struct clusters {
+    const struct splats *splats;
+    size_t first, count; /* points */
+    struct cluster *out;
+};
+
+static void store(struct vec3 v, float out[3])
+{
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
+
+static struct vec3 place_of(const struct splats *s, size_t i)
+{
+    return v3_sub(v3_load(s->position[i]), v3_load(s->origin));
+}
+
+static void enclose(const struct splats *s, size_t first, size_t end, struct cluster *out)
+{
+    struct vec3 low = place_of(s, first), high = low, center;
+    double radius = 0;
+    for (size_t i = first; i < end; i++) {
+        struct vec3 p = place_of(s, i);
+        low = v3(fmin(low.x, p.x), fmin(low.y, p.y), fmin(low.z, p.z));
+        high = v3(fmax(high.x, p.x), fmax(high.y, p.y), fmax(high.z, p.z));
+    }
+    center = v3_scale(v3_add(low, high), 0.5);
+    for (size_t i = first; i < end; i++)
+        radius = fmax(radius, v3_length(v3_sub(place_of(s, i), center)));
+    store(center, out->center);
+    out->radius = (float)radius;
+}
+
+static void bundle(const struct splats *s, size_t first, size_t end, struct cluster *out)
+{
+    struct vec3 sum = { 0 };
+    double least = 1;
+    for (size_t i = first; i < end; i++)
+        sum = v3_add(sum, v3_loadf(s->normal[i]));
+    struct vec3 axis = v3_unit(sum);
+    for (size_t i = first; i < end; i++)
+        least = fmin(least, v3_dot(axis, v3_loadf(s->normal[i])));
+    store(axis, out->axis);
+    out->sine = least > SLACK ? (float)(sqrt(1 - least * least) + SLACK) : OPEN_CONE;
+}
+
+static void make_clusters(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct clusters *c = context;
+    for (size_t i = begin; i < end; i++) {
+        size_t first = i * STP_CLUSTER, last = first + STP_CLUSTER;
+        last = c->first + (last < c->count ? last : c->count);
+        enclose(c->splats, c->first + first, last, &c->out[i]);
+        bundle(c->splats, c->first + first, last, &c->out[i]);
+    }
+}
+
+enum stp_result record_upload_clusters(const struct stp_env *env, struct record_frame *frame,
+                                       const struct splats *splats, size_t first, size_t count,
+                                       struct gpu_buffer *buffer)
+{
+    size_t clusters = (count + STP_CLUSTER - 1) / STP_CLUSTER;
+    struct clusters c = { splats, first, count, mem_alloc(clusters, sizeof *c.out) };
+    if (!c.out)
+        return log_no_memory(env, clusters * sizeof *c.out, "clusters of points");
+    parallel_for(env, clusters, 1024, make_clusters, &c);
+    enum stp_result result =
+        gpu_upload(env, frame->context, buffer, c.out, clusters * sizeof *c.out);
+    mem_free(c.out);
+    return result;
+}
