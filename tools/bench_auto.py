@@ -9,8 +9,13 @@
   tools/bench_auto.py features FILE     resources, passes, constants, bytes and milliseconds of each
                                         feature off and on (docs/results/features.md); --rounds 0:
                                         all but the milliseconds
+  tools/bench_auto.py prices FILE...    prices in nanoseconds of every kind of plan, fitted to the
+                                        calibration's scenes and the sweeps of these models
+                                        together (the built-in ones: src/plan/profile.c)
   tools/bench_auto.py reports DIR FILE...
                                         the whole `stipple report` of every model, into DIR/report-MODEL
+
+auto and bounds take --opacity A: both faces of a transparent scene.
 
 auto and reports: 1024 x 1024, back faces culled, no screen-space floor, the automatic view. Where the
 device was calibrated its own prices are used (stipple devices --calibrate), else the built-in ones.
@@ -44,6 +49,10 @@ def way(pick, prefix=""):
         words.append(pick[prefix + "voronoi"])
     if pick[prefix + "payload"]:
         words.append(pick[prefix + "payload"])
+    if pick[prefix + "transparency"] not in ("", words[0]):
+        words.append(pick[prefix + "transparency"])
+    if pick[prefix + "peel_layers"]:
+        words.append(pick[prefix + "peel_layers"] + " layers")
     return " ".join(words)
 
 
@@ -57,13 +66,15 @@ def verdict(pick):
     return f"{ms / best:.2f}" + ("" if near else " **slower**"), near
 
 
-def auto(models, rounds):
+def auto(models, rounds, more, keep):
     print("| model | bound | taken | ms, predicted | ms | error, at most | error | fastest within the "
           "bound | ms | ratio |\n|---|---:|---|---:|---:|---:|---:|---|---:|---:|")
     total = near = kept = 0
     for model in models:
-        with tempfile.TemporaryDirectory() as folder:
-            stipple("report", model, "-o", folder, "--quick", "--rounds", str(rounds), *VIEW)
+        with tempfile.TemporaryDirectory() as temporary:
+            name = re.sub(r"\.\w+$", "", os.path.basename(model))
+            folder = os.path.join(keep, "report-" + name) if keep else temporary
+            stipple("report", model, "-o", folder, "--quick", "--rounds", str(rounds), *VIEW, *more)
             with open(os.path.join(folder, "auto.csv"), newline="", encoding="ascii") as file:
                 picks = list(csv.DictReader(file))
         for pick in picks:
@@ -92,22 +103,23 @@ def taken(text):
     """From the plan's text: what was taken, and the error that was predicted."""
     why = re.search(r"^why: (.*)$", text, re.M).group(1)
     overlap = re.search(r"(\d+) groups at overlap ([0-9.]+)", why)
-    words = re.search(r"^method (\S+), path (\S+),", text, re.M).groups()
+    words = list(re.search(r"^method (\S+), path (\S+),", text, re.M).groups())
+    layers = re.search(r"peel is .*: the (\d+) nearest layers", why)
     most = re.search(r"error at most ([-0-9.e]+)\)", why)
     packed = " packed" if re.search(r" packed=1", text) else ""
-    groups = f" c {overlap[2]}, K = {overlap[1]}" if overlap else ""
+    groups = f" c {overlap[2]}, K = {overlap[1]}" if overlap else f" peel {layers[1]}" if layers else ""
     return " ".join(words) + packed + groups, most[1] if most else "-"
 
 
-def bounds(models):
+def bounds(models, more):
     print("| model | bound | taken | error, at most | error |\n|---|---:|---|---:|---:|")
     total = kept = 0
     for model in models:
         with tempfile.TemporaryDirectory() as folder:
             truth, out, stats = (os.path.join(folder, n) for n in ["t.exr", "o.exr", "s.json"])
-            stipple("render", model, "-o", truth, "--method", "reference", *SMALL)
+            stipple("render", model, "-o", truth, "--method", "reference", *SMALL, *more)
             for bound in BOUNDS:
-                stipple("render", model, "-o", out, "--max-error", bound, "--stats", stats, *SMALL)
+                stipple("render", model, "-o", out, "--max-error", bound, "--stats", stats, *SMALL, *more)
                 with open(stats, encoding="utf-8") as file:
                     what, most = taken(json.load(file)["plan"])
                 error = json.loads(stipple("compare", "--json", out, truth))["covered"]
@@ -184,6 +196,54 @@ def features(model, method, rounds):
                   f"{sum(on[1].values()) - sum(off[1].values())} | {ms} |", flush=True)
 
 
+# --- prices ----------------------------------------------------------------------------------------
+
+def costs(*arguments):
+    """Of a run's log: kind, milliseconds, amounts."""
+    log = subprocess.run([STIPPLE, *arguments, "--verbose"], check=True, capture_output=True,
+                         text=True).stderr
+    for line in re.finditer(r"cost of ([^:]+): ([-0-9.e+]+) ms(.*)$", log, re.M):
+        terms = re.findall(r"; ([a-z ]+) ([-0-9.e+]+)", line[3])
+        yield line[1], float(line[2]), {name: float(value) for name, value in terms}
+
+
+def least_squares(rows):
+    """Prices >= 0 of least relative residuals: as src/plan/fit.c without known prices."""
+    terms = sorted({term for _, amount in rows for term in amount})
+    columns = [[amount.get(term, 0) / (1e6 * ms) for ms, amount in rows] for term in terms]
+    scale = [sum(v * v for v in column) ** -0.5 for column in columns]
+    columns = [[v * s for v in column] for column, s in zip(columns, scale)]
+    price, left = [0.0] * len(terms), [1.0] * len(rows)
+    for _ in range(4000):
+        for t, column in enumerate(columns):
+            step = max(-price[t], sum(v * r for v, r in zip(column, left)))
+            price[t] += step
+            left = [r - step * v for v, r in zip(column, left)]
+    spread = (sum(r * r for r in left) / len(left)) ** 0.5
+    return {term: p * s for term, p, s in zip(terms, price, scale) if p > 0}, spread
+
+
+WORDS = {"two-pass compute": "TWO_PASS", "two-pass compute color": "TWO_PASS_COLOR",
+         "peel compute": "PEEL", "peel compute color": "PEEL_COLOR"}
+
+
+def prices(models):
+    kinds = {}
+    with tempfile.TemporaryDirectory() as folder:
+        runs = [["devices", "--calibrate"]]
+        runs += [["report", model, "-o", folder, "--quick", *VIEW[:-1]] for model in models]
+        for run in runs:
+            for kind, ms, amount in costs(*run):
+                kinds.setdefault(kind, []).append((ms, amount))
+            print(" ".join(run), file=sys.stderr, flush=True)
+    for kind, rows in kinds.items():
+        found, spread = least_squares(rows)
+        name = WORDS.get(kind, kind.upper().replace(" ", "_").replace("-", "_"))
+        print(f"    [PLAN_COST_{name}] = {{ /* {len(rows)} frames, residual {spread:.0%} */ " +
+              ", ".join(f"[PLAN_TERM_{term.upper().replace(' ', '_')}] = {price:.3g}"
+                        for term, price in found.items()) + " },", flush=True)
+
+
 # --- reports ---------------------------------------------------------------------------------------
 
 def reports(folder, models):
@@ -196,17 +256,22 @@ def reports(folder, models):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["auto", "bounds", "features", "reports"])
+    parser.add_argument("what", choices=["auto", "bounds", "features", "prices", "reports"])
     parser.add_argument("arguments", nargs="+", metavar="FILE")
     parser.add_argument("--rounds", type=int, default=3)
     parser.add_argument("--method", default="exact", help="of features (default: exact)")
+    parser.add_argument("--opacity", help="of auto and bounds: everything is so transparent")
+    parser.add_argument("--keep", metavar="DIR", help="of auto: the reports stay, as DIR/report-MODEL")
     options = parser.parse_args()
+    more = ["--opacity", options.opacity, "--cull", "none"] if options.opacity else []
     if options.what == "auto":
-        auto(options.arguments, options.rounds)
+        auto(options.arguments, options.rounds, more, options.keep)
     elif options.what == "bounds":
-        bounds(options.arguments)
+        bounds(options.arguments, more)
     elif options.what == "features":
         features(options.arguments[0], options.method, options.rounds)
+    elif options.what == "prices":
+        prices(options.arguments)
     else:
         reports(options.arguments[0], options.arguments[1:])
 

@@ -21,6 +21,12 @@ static void print_way(const struct stp_considered *c)
     char name[96];
     int used = snprintf(name, sizeof name, "%s %s%s", stp_method_name(c->method),
                         stp_path_name(c->path), payload[c->payload]);
+    if (c->transparency != STP_TRANSPARENCY_AUTO)
+        used += snprintf(name + used, sizeof name - (size_t)used, ", transparency %s",
+                         stp_transparency_name(c->transparency));
+    if (c->peel_layers)
+        snprintf(name + used, sizeof name - (size_t)used, ", %u layer%s", c->peel_layers,
+                 c->peel_layers > 1 ? "s" : "");
     if (c->overlap > 0)
         snprintf(name + used, sizeof name - (size_t)used, ", c %g, %u groups%s", c->overlap,
                  c->groups, voronoi[c->voronoi]);

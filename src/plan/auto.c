@@ -16,7 +16,24 @@ static bool allowed(const struct choosing *c, const struct plan_candidate *way)
            (p->path == STP_PATH_AUTO || p->path == way->path) &&
            (p->payload == STP_PAYLOAD_AUTO || way->payload == STP_PAYLOAD_AUTO ||
             p->payload == way->payload) &&
-           (p->voronoi == STP_VORONOI_DEFAULT || way->overlap == 0 || p->voronoi == way->voronoi);
+           (p->voronoi == STP_VORONOI_DEFAULT || way->overlap == 0 || p->voronoi == way->voronoi) &&
+           (way->transparency == STP_TRANSPARENCY_AUTO ||
+            p->transparency == STP_TRANSPARENCY_AUTO || p->transparency == way->transparency);
+}
+
+/* What the caller has fixed of a way that has parameters; false: another of the same kind stands
+ * for it. */
+static bool fix(const struct choosing *c, struct plan_candidate *way)
+{
+    unsigned layers = c->params.peel_layers;
+    if ((c->group.overlap > 0 && way->overlap > 0 && way->overlap != 1) ||
+        (layers && way->layers && way->layers != STP_DEFAULT_PEEL_LAYERS))
+        return false;
+    if (c->group.overlap > 0 && way->overlap > 0)
+        way->overlap = c->group.overlap;
+    if (layers && way->layers)
+        way->layers = layers;
+    return true;
 }
 
 static enum stp_result add(struct choosing *c, const struct plan_candidate *way)
@@ -40,23 +57,21 @@ static enum stp_result add(struct choosing *c, const struct plan_candidate *way)
     return result;
 }
 
-/* Those that need groups, or those that need none. Where the overlap is fixed, the whole one (c =
- * 1) of every way stands for it. */
-static enum stp_result add_offers(struct choosing *c, bool grouped)
+/* Those that take long to judge, since the scene is grouped for it or a picture drawn; or the
+ * others. */
+static enum stp_result add_offers(struct choosing *c, bool slow)
 {
     enum stp_result result = STP_OK;
     for (unsigned o = 0; o < plan_offer_count; o++) {
+        const struct plan_offer *offer = plan_offers[o];
         struct plan_candidate way[PLAN_MAX_OFFERED];
-        unsigned count = plan_offers[o]->candidates(way);
-        for (unsigned i = 0; result == STP_OK && i < count; i++) {
-            bool stands = c->group.overlap == 0 || way[i].overlap == 1;
-            if (grouped != (way[i].overlap > 0) || (grouped && !stands))
-                continue;
-            if (grouped && c->group.overlap > 0)
-                way[i].overlap = c->group.overlap;
-            if (allowed(c, &way[i]))
+        unsigned count = offer->candidates(way);
+        if ((offer->transparency != STP_TRANSPARENCY_AUTO) != c->scene->facts.transparent)
+            continue;
+        for (unsigned i = 0; result == STP_OK && i < count; i++)
+            if (slow == (way[i].overlap > 0 || offer->draw) && fix(c, &way[i]) &&
+                allowed(c, &way[i]))
                 result = add(c, &way[i]);
-        }
     }
     return result;
 }
@@ -125,6 +140,10 @@ static void conclude(const struct choosing *c, const struct auto_candidate *chos
     choice->params.path = chosen->way.path;
     choice->params.payload = chosen->way.payload;
     choice->params.voronoi = chosen->way.overlap > 0 ? chosen->way.voronoi : c->params.voronoi;
+    if (chosen->way.transparency != STP_TRANSPARENCY_AUTO)
+        choice->params.transparency = chosen->way.transparency;
+    if (chosen->way.layers)
+        choice->params.peel_layers = chosen->way.layers;
     choice->params.prediction = (struct stp_prediction){ c->bound, chosen->ms, chosen->error };
     for (unsigned i = 0; i < c->count; i++) {
         const struct auto_candidate *k = &c->candidate[i];
@@ -135,6 +154,8 @@ static void conclude(const struct choosing *c, const struct auto_candidate *chos
             .voronoi = k->way.voronoi,
             .overlap = k->way.overlap,
             .groups = k->grouping.groups,
+            .transparency = k->way.transparency,
+            .peel_layers = k->way.layers,
             .milliseconds = k->ms,
             .error = k->error,
             .verdict = k == chosen                ? STP_VERDICT_CHOSEN
@@ -149,6 +170,10 @@ static enum stp_result choose(struct choosing *c, struct stp_choice *choice)
 {
     struct auto_candidate *chosen = NULL;
     enum stp_result result = survey_make(c->env, c->scene, c->camera, &c->params, &c->survey);
+    if (result == STP_OK && c->scene->facts.transparent) {
+        result = auto_probe(c, 0);
+        c->survey.layers = c->probe[0].layers;
+    }
     if (result == STP_OK)
         result = list(c);
     if (result == STP_OK && c->count)
@@ -166,6 +191,18 @@ static enum stp_result choose(struct choosing *c, struct stp_choice *choice)
     return result;
 }
 
+/* Media have no surfaces to probe. Layers are composited by what `transparency` says while there is
+ * no bound to choose by; groups that cover the surface would have to be made to judge the rest. */
+static bool not_estimated(const struct stp_scene *scene, const struct stp_render_params *params)
+{
+    enum stp_transparency t = params->transparency;
+    if (t == STP_TRANSPARENCY_AUTO && params->method == STP_METHOD_DEFERRED)
+        t = STP_TRANSPARENCY_FAST;
+    bool judged =
+        t == STP_TRANSPARENCY_AUTO || t == STP_TRANSPARENCY_EXACT || t == STP_TRANSPARENCY_PEEL;
+    return scene->volume || (scene->facts.transparent && (params->max_error == 0 || !judged));
+}
+
 enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
                            const struct stp_camera *camera, const struct stp_group_params *group,
                            const struct stp_render_params *params, const struct stp_limits *limits,
@@ -180,13 +217,12 @@ enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
         return log_error(env, STP_ERROR_ARGUMENT,
                          "there is nothing to choose with max_error %g and method %s",
                          params->max_error, stp_method_name(params->method));
-    if (scene->facts.transparent || scene->volume) {
-        /* Layers are composited by what `transparency` says; the probe knows one surface only. */
+    if (not_estimated(scene, params)) {
         *choice = (struct stp_choice){ .params = *params, .met = params->max_error == 0 };
         if (params->max_error > 0)
-            log_warning(env,
-                        "the error of transparent scenes is not estimated: the bound of %g is "
-                        "not looked at",
+            log_warning(env, "the error of %s%s is not estimated: the bound of %g is not looked at",
+                        scene->volume ? "volumes and range images" : "transparency ",
+                        scene->volume ? "" : stp_transparency_name(params->transparency),
                         params->max_error);
         return STP_OK;
     }

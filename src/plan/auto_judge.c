@@ -78,7 +78,7 @@ static double dome_error(const struct stp_plan *plan)
 {
     if (!plan->facts.eye_dome)
         return 0;
-    if (plan->method == STP_METHOD_DEFERRED)
+    if (plan->method == STP_METHOD_DEFERRED || plan->method == STP_METHOD_PYRAMID)
         return INFINITY;
     double step = plan->constant[PLAN_PACKED] ? plan->frame.depth_step / 4 : 0;
     double depth = fmax(plan->frame.depth_low, plan->frame.epsilon);
@@ -99,9 +99,8 @@ static enum stp_result estimate(struct choosing *c, const struct auto_candidate 
         result = make_plan(c, candidate, &candidate->grouping, &plan);
     if (!plan)
         return result;
-    const struct plan_offer *offer = plan_offer_of(plan->method);
-    result = probe_judge(c->env, &c->probe[which], plan, offer->keep,
-                         candidate->way.overlap > 0 ? group : NULL, local != NULL, &error);
+    result = plan_judge(c->env, &c->probe[which], plan, candidate->way.overlap > 0 ? group : NULL,
+                        local != NULL, &error);
     double more = plan_rounding(plan) + dome_error(plan);
     stp_plan_destroy(&plan);
     if (result != STP_OK)

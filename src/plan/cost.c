@@ -3,16 +3,19 @@
 
 #include <math.h>
 
-const struct plan_offer *const plan_offers[] = { &plan_exact_offer, &plan_twopass_offer,
-                                                 &plan_deferred_offer };
+const struct plan_offer *const plan_offers[] = { &plan_exact_offer,    &plan_twopass_offer,
+                                                 &plan_deferred_offer, &plan_pyramid_offer,
+                                                 &plan_layers_offer,   &plan_peel_offer };
 const unsigned plan_offer_count = sizeof plan_offers / sizeof *plan_offers;
 
 const char *plan_cost_name(enum plan_cost cost)
 {
     static const char *const names[PLAN_COSTS] = {
-        "exact packed",           "exact packed ids", "exact id",           "two-pass compute",
-        "two-pass compute color", "two-pass raster",  "deferred packed",    "deferred id",
-        "deferred exact",         "deferred raster",  "deferred raster id",
+        "exact packed",           "exact packed ids",   "exact id",           "two-pass compute",
+        "two-pass compute color", "two-pass raster",    "deferred packed",    "deferred id",
+        "deferred exact",         "deferred raster",    "deferred raster id", "pyramid",
+        "pyramid color",          "layers packed",      "layers packed ids",  "layers id",
+        "peel compute",           "peel compute color", "peel raster",
     };
     return cost < PLAN_COSTS ? names[cost] : NULL;
 }
@@ -25,11 +28,11 @@ const char *plan_term_name(enum plan_term term)
     return term < PLAN_TERMS ? names[term] : NULL;
 }
 
-const struct plan_offer *plan_offer_of(enum stp_method method)
+const struct plan_offer *plan_offer_of(const struct stp_plan *plan)
 {
-    struct plan_candidate candidate[PLAN_MAX_OFFERED];
     for (unsigned i = 0; i < plan_offer_count; i++)
-        if (plan_offers[i]->candidates(candidate) && candidate[0].method == method)
+        if (plan_offers[i]->method == plan->method &&
+            plan_offers[i]->transparency == plan->transparency)
             return plan_offers[i];
     return NULL;
 }
@@ -51,7 +54,7 @@ void plan_common_amounts(const struct stp_plan *plan, const struct survey *surve
 double plan_predict(const struct stp_plan *plan, const struct survey *survey,
                     const struct stp_calibration *calibration)
 {
-    const struct plan_offer *offer = plan_offer_of(plan->method);
+    const struct plan_offer *offer = plan_offer_of(plan);
     double amount[PLAN_TERMS] = { 0 }, ns = 0;
     if (!offer)
         return INFINITY;

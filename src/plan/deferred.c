@@ -86,11 +86,15 @@ static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
     unsigned n = 0;
     for (unsigned c = 0; c < sizeof overlaps / sizeof *overlaps; c++) {
         for (unsigned p = 0; p < 2; p++)
-            candidate[n++] =
-                (struct plan_candidate){ STP_METHOD_DEFERRED, paths[p], STP_PAYLOAD_AUTO,
-                                         STP_VORONOI_SLAB, overlaps[c] };
-        candidate[n++] = (struct plan_candidate){ STP_METHOD_DEFERRED, STP_PATH_COMPUTE,
-                                                  STP_PAYLOAD_ID, STP_VORONOI_EXACT, overlaps[c] };
+            candidate[n++] = (struct plan_candidate){ .method = STP_METHOD_DEFERRED,
+                                                      .path = paths[p],
+                                                      .voronoi = STP_VORONOI_SLAB,
+                                                      .overlap = overlaps[c] };
+        candidate[n++] = (struct plan_candidate){ .method = STP_METHOD_DEFERRED,
+                                                  .path = STP_PATH_COMPUTE,
+                                                  .payload = STP_PAYLOAD_ID,
+                                                  .voronoi = STP_VORONOI_EXACT,
+                                                  .overlap = overlaps[c] };
     }
     return n;
 }
@@ -161,4 +165,6 @@ static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, s
     }
 }
 
-const struct plan_offer plan_deferred_offer = { candidates, cost, keep };
+const struct plan_offer plan_deferred_offer = {
+    .method = STP_METHOD_DEFERRED, .candidates = candidates, .cost = cost, .keep = keep
+};

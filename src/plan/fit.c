@@ -33,28 +33,60 @@ static void build(size_t rows, unsigned terms, const double *amount, const doubl
     }
 }
 
+/* What known prices are multiplied by to suit the rows; x0: the known ones, scaled. */
+static double suit(const struct normal *n, unsigned terms, const double *x0)
+{
+    double along = 0, square = 0;
+    for (unsigned t = 0; t < terms; t++) {
+        along += n->b[t] * x0[t];
+        for (unsigned u = 0; u < terms; u++)
+            square += x0[t] * n->a[t][u] * x0[u];
+    }
+    return square > 0 ? fmax(0, along / square) : 0;
+}
+
+/* Every term's own entry is 1 once scaled, so trust is one number for all of them. */
+static double add_trust(struct normal *n, unsigned terms, const double *known)
+{
+    double x0[MOST_TERMS];
+    for (unsigned t = 0; t < terms; t++)
+        x0[t] = n->scale[t] > 0 ? known[t] / n->scale[t] : 0;
+    double s = suit(n, terms, x0);
+    for (unsigned t = 0; t < terms; t++) {
+        n->a[t][t] += FIT_TRUST;
+        n->b[t] += FIT_TRUST * s * x0[t];
+    }
+    return s;
+}
+
 /* Coordinate descent: the problem is convex, so cutting at 0 as it goes finds the minimum. */
+static void descend(const struct normal *n, unsigned terms, double *x)
+{
+    bool moves = true;
+    for (int sweep = 0; sweep < SWEEPS && moves; sweep++) {
+        moves = false;
+        for (unsigned t = 0; t < terms; t++) {
+            if (n->scale[t] == 0)
+                continue;
+            double slope = n->b[t];
+            for (unsigned u = 0; u < terms; u++)
+                slope -= n->a[t][u] * x[u];
+            double next = fmax(0, x[t] + slope / n->a[t][t]);
+            moves = moves || fabs(next - x[t]) > STILL * (fabs(next) + STILL);
+            x[t] = next;
+        }
+    }
+}
+
 void fit_prices(size_t rows, unsigned terms, const double *amount, const double *measured,
-                double *price)
+                const double *known, double *price)
 {
     struct normal n;
     double x[MOST_TERMS] = { 0 };
     assert(terms <= MOST_TERMS);
     build(rows, terms, amount, measured, &n);
-    bool moves = true;
-    for (int sweep = 0; sweep < SWEEPS && moves; sweep++) {
-        moves = false;
-        for (unsigned t = 0; t < terms; t++) {
-            if (n.scale[t] == 0)
-                continue;
-            double slope = n.b[t];
-            for (unsigned u = 0; u < terms; u++)
-                slope -= n.a[t][u] * x[u];
-            double next = fmax(0, x[t] + slope);
-            moves = moves || fabs(next - x[t]) > STILL * (fabs(next) + STILL);
-            x[t] = next;
-        }
-    }
+    double s = known ? add_trust(&n, terms, known) : 0;
+    descend(&n, terms, x);
     for (unsigned t = 0; t < terms; t++)
-        price[t] = x[t] * n.scale[t];
+        price[t] = n.scale[t] > 0 ? x[t] * n.scale[t] : known ? s * known[t] : 0;
 }

@@ -4,11 +4,17 @@
 
 #include <stddef.h>
 
-/* The prices >= 0 that leave the least sum of squares of (predicted - measured) / measured:
- * predicted = sum over the terms of amount[i * terms + t] * price[t]. A term that no row has any of
- * gets 0, and so does one without which the rest explains as much. rows > 0, terms <= 16; measured
- * values are above 0. */
+#define FIT_TRUST 0.2 /* in known prices, as a share of the rows' own weight */
+
+/* Prices >= 0: predicted = sum over the terms of amount[i * terms + t] * price[t], with the least
+ *   sum of squares of (predicted - measured) / measured
+ *   + FIT_TRUST * sum over the terms of (price - s known)^2 * sum of squares of amount / measured.
+ * A few rows do not tell all terms apart; where they do not, prices keep the proportions of known
+ * ones, those of another device perhaps, times the s that suits the rows best. A term that no row
+ * has any of gets s known. known: NULL for none, and then the first sum alone is the least, and a
+ * term without which the rest explains as much gets 0. rows > 0, terms <= 16; measured values are
+ * above 0. */
 void fit_prices(size_t rows, unsigned terms, const double *amount, const double *measured,
-                double *price);
+                const double *known, double *price);
 
 #endif

@@ -6,13 +6,15 @@
 
 #include "plan/probe.h"
 
-/* One way to run a method. overlap: of the groups, 0 where it needs none. */
+/* One way to run a method. */
 struct plan_candidate {
     enum stp_method method;
     enum stp_path path;
     enum stp_payload payload; /* AUTO: what the plan says */
     enum stp_voronoi voronoi;
-    double overlap;
+    double overlap;                     /* of the groups; 0: it needs none */
+    enum stp_transparency transparency; /* AUTO: of opaque scenes */
+    unsigned layers;                    /* that are peeled; 0: all, by other means */
 };
 
 /* A frame's time is a sum of amounts, each at a price in nanoseconds that calibration finds; what
@@ -46,6 +48,14 @@ enum plan_cost {
     PLAN_COST_DEFERRED_EXACT,
     PLAN_COST_DEFERRED_RASTER,
     PLAN_COST_DEFERRED_RASTER_ID,
+    PLAN_COST_PYRAMID,
+    PLAN_COST_PYRAMID_COLOR,
+    PLAN_COST_LAYERS_PACKED, /* exact's, of transparent scenes */
+    PLAN_COST_LAYERS_PACKED_IDS,
+    PLAN_COST_LAYERS_ID,
+    PLAN_COST_PEEL,
+    PLAN_COST_PEEL_COLOR,
+    PLAN_COST_PEEL_RASTER,
     PLAN_COSTS
 };
 _Static_assert(PLAN_COSTS <= STP_COST_KINDS, "a profile holds every kind");
@@ -54,7 +64,13 @@ const char *plan_term_name(enum plan_term term);
 
 #define PLAN_MAX_OFFERED 32 /* candidates of one method */
 
+/* The probe's pixels as a method draws them that looks at more than a pixel's own fragments. */
+typedef enum stp_result (*plan_draw_fn)(const struct stp_env *env, const struct probe *probe,
+                                        const struct stp_plan *plan, struct probe_color *color);
+
 struct plan_offer {
+    enum stp_method method;
+    enum stp_transparency transparency; /* AUTO: of opaque scenes */
     /* Every way, whether or not the scene and the device allow it; returns how many. */
     unsigned (*candidates)(struct plan_candidate candidate[PLAN_MAX_OFFERED]);
     /* The amounts of one frame of this plan, one sample a pixel; returns the kind. */
@@ -62,12 +78,14 @@ struct plan_offer {
                            double amount[PLAN_TERMS]);
     /* Which fragments it keeps, and in how many bits: the probe then measures the error. */
     probe_keep_fn keep;
+    plan_draw_fn draw; /* NULL, or in the place of keep */
 };
 
-extern const struct plan_offer plan_exact_offer, plan_twopass_offer, plan_deferred_offer;
+extern const struct plan_offer plan_exact_offer, plan_twopass_offer, plan_deferred_offer,
+    plan_pyramid_offer, plan_layers_offer, plan_peel_offer;
 extern const struct plan_offer *const plan_offers[];
 extern const unsigned plan_offer_count;
-const struct plan_offer *plan_offer_of(enum stp_method method); /* NULL: it makes none */
+const struct plan_offer *plan_offer_of(const struct stp_plan *plan); /* NULL: it makes none */
 
 /* cost.c: amounts that most methods share, to begin with. */
 void plan_common_amounts(const struct stp_plan *plan, const struct survey *survey,
@@ -79,6 +97,12 @@ double plan_predict(const struct stp_plan *plan, const struct survey *survey,
 /* What float arithmetic adds to the error of every method on a device, which no probe sees: pixels
  * of outlines that fall on the other side. */
 double plan_rounding(const struct stp_plan *plan);
+
+/* probe_judge.c: the error of the plan over the probe's pixels, by its method's `keep` or `draw`;
+ * group and local as of probe_judge. */
+enum stp_result plan_judge(const struct stp_env *env, const struct probe *probe,
+                           const struct stp_plan *plan, const uint8_t *group, bool local,
+                           struct probe_error *error);
 
 /* plan.c: a plan for this candidate, without a line in the log where it cannot be. grouping stands
  * for the scene's. *plan stays NULL where the candidate does not apply. */

@@ -1,4 +1,5 @@
 #include "plan/offer.h"
+#include "plan/pyramid_probe.h"
 
 #include <string.h>
 
@@ -148,6 +149,9 @@ enum stp_result plan_try(const struct stp_env *env, const struct stp_scene *scen
     made->params.path = candidate->path;
     made->params.payload = candidate->payload;
     made->params.voronoi = candidate->overlap > 0 ? candidate->voronoi : params->voronoi;
+    made->params.transparency = candidate->transparency;
+    if (candidate->layers)
+        made->params.peel_layers = candidate->layers;
     made->facts.grouping = *grouping;
     for (unsigned k = 1; k <= STP_MAX_GROUPS; k++)
         made->group_first[k] = (uint32_t)made->facts.splats;
@@ -158,7 +162,8 @@ enum stp_result plan_try(const struct stp_env *env, const struct stp_scene *scen
     bool same = result == STP_OK && made->path == candidate->path &&
                 made->voronoi == candidate->voronoi &&
                 (candidate->payload == STP_PAYLOAD_AUTO || made->payload == candidate->payload ||
-                 candidate->method == STP_METHOD_TWO_PASS);
+                 candidate->method == STP_METHOD_TWO_PASS) &&
+                pyramid_can_judge(made);
     if (same)
         *plan = made;
     else

@@ -20,7 +20,6 @@ struct making {
     const struct survey *survey;
     struct spot_view spots;
     uint32_t *cell_of;      /* of each block */
-    uint32_t (*corner)[2];  /* of each cell, pixels */
     uint8_t *near_cell;     /* of each splat */
     size_t capacity, count; /* fragments */
 };
@@ -45,13 +44,14 @@ static void place_cells(struct making *m, unsigned wanted)
     for (unsigned c = 0; c < cells; c++) {
         size_t low = c * touched / cells, high = (c + 1) * touched / cells;
         uint32_t h = mix(c + 1), b = m->cell_of[low + (h >> 2) % (high - low)];
-        m->corner[c][0] = b % s->across * SURVEY_BLOCK + (h & 1) * PROBE_CELL;
-        m->corner[c][1] = b / s->across * SURVEY_BLOCK + (h >> 1 & 1) * PROBE_CELL;
+        m->probe->corner[c][0] = b % s->across * SURVEY_BLOCK + (h & 1) * PROBE_CELL;
+        m->probe->corner[c][1] = b / s->across * SURVEY_BLOCK + (h >> 1 & 1) * PROBE_CELL;
     }
     for (size_t b = 0; b < blocks; b++)
         m->cell_of[b] = NO_CELL;
     for (unsigned c = 0; c < cells; c++)
-        m->cell_of[m->corner[c][1] / SURVEY_BLOCK * s->across + m->corner[c][0] / SURVEY_BLOCK] = c;
+        m->cell_of[m->probe->corner[c][1] / SURVEY_BLOCK * s->across +
+                   m->probe->corner[c][0] / SURVEY_BLOCK] = c;
     m->probe->cells = cells;
     m->probe->pixels = (size_t)cells * CELL_PIXELS;
 }
@@ -118,7 +118,7 @@ static enum stp_result place_rays(struct making *m)
     if (!p->ray)
         return log_no_memory(m->env, p->pixels * sizeof *p->ray, "the probe's rays");
     for (size_t i = 0; i < p->pixels; i++) {
-        const uint32_t *corner = m->corner[i / CELL_PIXELS];
+        const uint32_t *corner = m->probe->corner[i / CELL_PIXELS];
         size_t k = i % CELL_PIXELS;
         p->ray[i] = eye_ray(&p->view.eye, corner[0] + (double)(k % PROBE_CELL) + 0.5,
                             corner[1] + (double)(k / PROBE_CELL) + 0.5);
@@ -152,7 +152,7 @@ static void draw(void *context, uint32_t cell)
 {
     struct drawing *d = context;
     struct probe *p = d->m->probe;
-    const uint32_t *corner = d->m->corner[cell];
+    const uint32_t *corner = p->corner[cell];
     struct fragment hit;
     for (uint32_t k = 0; k < CELL_PIXELS && d->result == STP_OK; k++) {
         uint32_t x = corner[0] + k % PROBE_CELL, y = corner[1] + k / PROBE_CELL;
@@ -165,7 +165,7 @@ static void draw(void *context, uint32_t cell)
             .depth = hit.depth,
             .rho2 = hit.rho2,
             .weight = p->view.kernel == STP_KERNEL_GAUSS ? gauss : 1 - hit.rho2,
-            .normal = d->disc.normal,
+            .normal = fragment_normal(&d->disc, &hit),
             .splat = d->id,
             .pixel = (uint32_t)pixel,
             .kept = true,
@@ -229,18 +229,20 @@ enum stp_result probe_make(const struct stp_env *env, const struct stp_scene *sc
     size_t blocks = (size_t)survey->across * survey->down;
     enum stp_result result = STP_OK;
     made.view.grid = 1;
+    made.environment_behind = params->environment_behind;
+    if (params->background)
+        memcpy(made.background, params->background, sizeof made.background);
     m.spots = spot_view_of(scene, camera, params);
     m.cell_of = mem_alloc(blocks, sizeof *m.cell_of);
-    m.corner = mem_alloc(cells, sizeof *m.corner);
+    made.corner = mem_alloc(cells, sizeof *made.corner);
     m.near_cell = mem_alloc(scene->splats.count, 1);
-    if (!m.cell_of || !m.corner || !m.near_cell)
+    if (!m.cell_of || !made.corner || !m.near_cell)
         result = log_no_memory(env, scene->splats.count + blocks * sizeof *m.cell_of, "a probe");
     if (result == STP_OK) {
         place_cells(&m, cells);
         result = fill(&m);
     }
     mem_free(m.cell_of);
-    mem_free(m.corner);
     mem_free(m.near_cell);
     if (result == STP_OK)
         result = probe_truth(env, &made);
@@ -253,6 +255,7 @@ enum stp_result probe_make(const struct stp_env *env, const struct stp_scene *sc
 
 void probe_release(struct probe *probe)
 {
+    mem_free(probe->corner);
     mem_free(probe->ray);
     mem_free(probe->first);
     mem_free(probe->fragment);

@@ -21,12 +21,16 @@ struct probe_fragment {
 
 struct probe {
     struct view view;
+    float background[4]; /* behind it all; alpha 0: nothing */
+    bool environment_behind;
     unsigned cells;
-    size_t pixels; /* PROBE_CELL squared a cell, those outside the picture empty */
+    uint32_t (*corner)[2]; /* of each cell, pixels of the picture */
+    size_t pixels;         /* PROBE_CELL squared a cell, those outside the picture empty */
     struct ray *ray;
     size_t *first;                   /* pixels + 1 */
     struct probe_fragment *fragment; /* by pixel, then in canonical order */
-    double *truth;                   /* three a pixel */
+    double *truth;                   /* three a pixel, the background included */
+    double layers;                   /* a pixel, in the mean */
     size_t splats;                   /* that have a fragment, or nearly */
     uint32_t *splat;                 /* ascending */
 };
@@ -41,6 +45,12 @@ void probe_release(struct probe *probe);
  * order): clears `kept` of those that it loses, and rounds depth, weight and normal as it would. */
 typedef void (*probe_keep_fn)(const struct stp_plan *plan, struct probe_fragment *fragment,
                               size_t count);
+
+/* A pixel as some other means than `keep` drew it. */
+struct probe_color {
+    double color[3]; /* with what is behind */
+    bool covered;
+};
 
 struct probe_error {
     double mean;   /* absolute error of linear R G B over covered pixels */
@@ -58,7 +68,22 @@ enum stp_result probe_group(const struct stp_env *env, const struct probe *probe
                             const struct stp_group_params *params, uint8_t **group,
                             struct stp_grouping *facts);
 
-/* probe_judge.c, for probe.c: fills `truth`. */
+/* Of a picture drawn by other means, over the pixels that it or the truth covers; color: one a
+ * pixel. */
+enum stp_result probe_compare(const struct stp_env *env, const struct probe *probe,
+                              const struct probe_color *color, struct probe_error *error);
+
+/* probe_resolve.c: a pixel's kept fragments, in canonical order. */
+struct probe_pixel {
+    const struct probe_fragment *fragment;
+    size_t count;
+    unsigned most_layers; /* those behind are left out */
+    double slack;         /* of an epsilon's end, where depths are in steps: less than one */
+};
+/* Its colour, with what is behind; returns its layers, 0 where nothing is kept. */
+unsigned probe_resolve(const struct probe *probe, size_t at, const struct probe_pixel *pixel,
+                       double color[3]);
+/* For probe.c: fills `truth` and `layers`. */
 enum stp_result probe_truth(const struct stp_env *env, struct probe *probe);
 
 #endif

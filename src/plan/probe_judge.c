@@ -1,5 +1,5 @@
 /* A probe's pixels, resolved as Eq. 1 says and as a method would. */
-#include "plan/probe.h"
+#include "plan/offer.h"
 
 #include <string.h>
 
@@ -8,46 +8,6 @@
 #include "prepare/prepare.h"
 
 #define CELL_PIXELS (PROBE_CELL * PROBE_CELL)
-
-/* ZP Eq. 1 over the kept fragments, and its light. */
-static struct vec3 shade(const struct probe *probe, size_t pixel,
-                         const struct probe_fragment *fragment, size_t count)
-{
-    const struct view *view = &probe->view;
-    struct nearest nearest = { .depth = INFINITY };
-    struct sums sums = { 0 };
-    for (size_t i = 0; i < count; i++)
-        if (fragment[i].kept && fragment[i].depth < nearest.depth)
-            nearest = (struct nearest){ fragment[i].depth, fragment[i].splat, fragment[i].normal };
-    if (nearest.depth == INFINITY)
-        return v3(0, 0, 0);
-    double last = nearest.depth + splat_epsilon(view, nearest.id);
-    for (size_t i = 0; i < count; i++) {
-        const struct probe_fragment *f = &fragment[i];
-        if (!f->kept || f->depth > last)
-            continue;
-        sums.weight += f->weight;
-        sums.depth += f->weight * f->depth;
-        sums.normal = v3_add(sums.normal, v3_scale(f->normal, f->weight));
-        sums.albedo = v3_add(sums.albedo, v3_scale(splat_albedo(view, f->splat), f->weight));
-        sums.count++;
-    }
-    struct surface surface = surface_resolve(view, &nearest, &sums, &probe->ray[pixel]);
-    return surface_shade(view, &surface);
-}
-
-enum stp_result probe_truth(const struct stp_env *env, struct probe *probe)
-{
-    probe->truth = mem_alloc(probe->pixels ? probe->pixels : 1, 3 * sizeof(double));
-    if (!probe->truth)
-        return log_no_memory(env, probe->pixels * 3 * sizeof(double), "the probe's truth");
-    for (size_t i = 0; i < probe->pixels; i++) {
-        const struct probe_fragment *f = &probe->fragment[probe->first[i]];
-        struct vec3 color = shade(probe, i, f, probe->first[i + 1] - probe->first[i]);
-        memcpy(&probe->truth[3 * i], (double[3]){ color.x, color.y, color.z }, 3 * sizeof(double));
-    }
-    return STP_OK;
-}
 
 /* Fragments of the fullest pixel. */
 static size_t most_fragments(const struct probe *probe)
@@ -79,8 +39,15 @@ struct judging {
     probe_keep_fn keep;
     const uint8_t *group;
     bool local;
+    unsigned most_layers;
+    double slack;
     struct probe_fragment *scratch;
 };
+
+static double difference(const double a[3], const double b[3])
+{
+    return (fabs(a[0] - b[0]) + fabs(a[1] - b[1]) + fabs(a[2] - b[2])) / 3;
+}
 
 static double pixel_error(const struct judging *j, size_t pixel)
 {
@@ -92,9 +59,10 @@ static double pixel_error(const struct judging *j, size_t pixel)
         j->scratch[i].group = j->group[j->local ? local_index(probe, id) : id];
     }
     j->keep(j->plan, j->scratch, count);
-    struct vec3 color = shade(probe, pixel, j->scratch, count);
-    const double *truth = &probe->truth[3 * pixel];
-    return (fabs(color.x - truth[0]) + fabs(color.y - truth[1]) + fabs(color.z - truth[2])) / 3;
+    const struct probe_pixel of = { j->scratch, count, j->most_layers, j->slack };
+    double color[3];
+    probe_resolve(probe, pixel, &of, color);
+    return difference(color, &probe->truth[3 * pixel]);
 }
 
 /* The mean of a ratio: errors over covered pixels, both summed by cell. */
@@ -122,7 +90,12 @@ enum stp_result probe_judge(const struct stp_env *env, const struct probe *probe
                             bool local, struct probe_error *error)
 {
     size_t most = most_fragments(probe), cells = probe->cells ? probe->cells : 1;
-    struct judging j = { probe, plan, keep, group, local, NULL };
+    bool peels = plan->transparency == STP_TRANSPARENCY_PEEL, steps = plan->constant[PLAN_PACKED];
+    struct judging j = { probe, plan, keep, group, local, UINT32_MAX, 0, NULL };
+    if (peels)
+        j.most_layers = plan_repeats(plan);
+    if (steps && probe->view.transparent)
+        j.slack = 0.25 / (double)plan->frame.depth_scale;
     double *sum = mem_zalloc(cells, sizeof *sum);
     unsigned *covered = mem_zalloc(cells, sizeof *covered);
     j.scratch = mem_alloc(most, sizeof *j.scratch);
@@ -141,6 +114,49 @@ enum stp_result probe_judge(const struct stp_env *env, const struct probe *probe
     return made ? STP_OK : log_no_memory(env, most * sizeof *j.scratch, "judging a probe");
 }
 
+enum stp_result probe_compare(const struct stp_env *env, const struct probe *probe,
+                              const struct probe_color *color, struct probe_error *error)
+{
+    size_t cells = probe->cells ? probe->cells : 1;
+    double *sum = mem_zalloc(cells, sizeof *sum);
+    unsigned *covered = mem_zalloc(cells, sizeof *covered);
+    bool made = sum && covered;
+    for (size_t i = 0; made && i < probe->pixels; i++) {
+        if (probe->first[i + 1] == probe->first[i] && !color[i].covered)
+            continue;
+        sum[i / CELL_PIXELS] += difference(color[i].color, &probe->truth[3 * i]);
+        covered[i / CELL_PIXELS]++;
+    }
+    if (made)
+        summarise(sum, covered, probe->cells, error);
+    mem_free(sum);
+    mem_free(covered);
+    return made ? STP_OK : log_no_memory(env, cells * sizeof *sum, "judging a probe");
+}
+
+static enum stp_result judge_drawn(const struct stp_env *env, const struct probe *probe,
+                                   const struct stp_plan *plan, plan_draw_fn draw,
+                                   struct probe_error *error)
+{
+    struct probe_color *color = mem_zalloc(probe->pixels ? probe->pixels : 1, sizeof *color);
+    if (!color)
+        return log_no_memory(env, probe->pixels * sizeof *color, "drawing a probe");
+    enum stp_result result = draw(env, probe, plan, color);
+    if (result == STP_OK)
+        result = probe_compare(env, probe, color, error);
+    mem_free(color);
+    return result;
+}
+
+enum stp_result plan_judge(const struct stp_env *env, const struct probe *probe,
+                           const struct stp_plan *plan, const uint8_t *group, bool local,
+                           struct probe_error *error)
+{
+    const struct plan_offer *offer = plan_offer_of(plan);
+    return offer->draw ? judge_drawn(env, probe, plan, offer->draw, error)
+                       : probe_judge(env, probe, plan, offer->keep, group, local, error);
+}
+
 /* The probe's splats as a scene of their own; arrays are the caller's to release. */
 static bool copy_splats(const struct probe *probe, struct splats *out)
 {
@@ -152,8 +168,9 @@ static bool copy_splats(const struct probe *probe, struct splats *out)
     out->radius = mem_alloc(n, sizeof *out->radius);
     out->color = in->color ? mem_alloc(n, sizeof *out->color) : NULL;
     out->object = in->object ? mem_alloc(n, sizeof *out->object) : NULL;
+    out->phong = in->phong ? mem_alloc(n, sizeof *out->phong) : NULL;
     if (!out->position || !out->normal || !out->radius || (in->color && !out->color) ||
-        (in->object && !out->object))
+        (in->object && !out->object) || (in->phong && !out->phong))
         return false;
     for (size_t i = 0; i < n; i++) {
         uint32_t id = probe->splat[i];
@@ -164,6 +181,8 @@ static bool copy_splats(const struct probe *probe, struct splats *out)
             memcpy(out->color[i], in->color[id], sizeof *out->color);
         if (in->object)
             out->object[i] = in->object[id];
+        if (in->phong)
+            out->phong[i] = in->phong[id];
     }
     return true;
 }

@@ -4,6 +4,7 @@
 #include <math.h>
 
 #include "base/vec.h"
+#include "reference/disc.h"
 #include "shared/frame.h"
 
 struct spot_view spot_view_of(const struct stp_scene *scene, const struct stp_camera *camera,
@@ -93,6 +94,40 @@ static bool conic(const struct spot_view *view, struct vec3 n, struct vec3 s, do
     return true;
 }
 
+/* The same of p + s a + t b, s^2 + t^2 <= 1: X with (p_x - X p_z)^2 = (a_x - X a_z)^2 + (b_x - X
+ * b_z)^2 touches it. The area is that of the unit circle under [a b p]. */
+static bool conic_of(const struct spot_view *view, struct vec3 p, struct vec3 a, struct vec3 b,
+                     struct outline *o)
+{
+    double rest = p.z * p.z - a.z * a.z - b.z * b.z, half[2];
+    const double f[2] = { view->fx, view->fy };
+    const double px[2] = { p.x, p.y }, ax[2] = { a.x, a.y }, bx[2] = { b.x, b.y };
+    if (!(rest > 0))
+        return false;
+    for (int k = 0; k < 2; k++) {
+        double mid = (px[k] * p.z - ax[k] * a.z - bx[k] * b.z) / rest;
+        double outer = (px[k] * px[k] - ax[k] * ax[k] - bx[k] * bx[k]) / rest;
+        half[k] = f[k] * sqrt(fmax(mid * mid - outer, 0));
+        o->low[k] = f[k] * (mid - px[k] / p.z) - half[k];
+        o->high[k] = f[k] * (mid - px[k] / p.z) + half[k];
+    }
+    o->area = M_PI * f[0] * f[1] * fabs(v3_dot(p, v3_cross(a, b))) / (rest * sqrt(rest));
+    apply_floor(view, half, o);
+    return true;
+}
+
+static void parallel_of(const struct spot_view *view, struct vec3 a, struct vec3 b,
+                        struct outline *o)
+{
+    double half[2] = { view->fx * hypot(a.x, b.x), view->fy * hypot(a.y, b.y) };
+    o->area = M_PI * view->fx * view->fy * fabs(a.x * b.y - a.y * b.x);
+    for (int k = 0; k < 2; k++) {
+        o->low[k] = -half[k];
+        o->high[k] = half[k];
+    }
+    apply_floor(view, half, o);
+}
+
 static void parallel(const struct spot_view *view, struct vec3 n, double radius, struct outline *o)
 {
     double half[2] = { radius * view->fx * sqrt(fmax(0, 1 - n.x * n.x)),
@@ -113,31 +148,91 @@ static void cut_outline(const struct spot_view *view, struct outline *o)
                            0.5 * view->width * view->height };
 }
 
-bool spot_find(const struct spot_view *view, size_t i, struct spot *spot)
+/* A splat as the camera sees it: the disc, or the ellipse's half axes a and b. */
+struct shape {
+    struct vec3 p, n, a, b;
+    double radius, reach; /* reach: along the view, from its centre */
+    bool ellipse;
+};
+
+static void take_ellipse(const struct spot_view *view, const struct stp_phong_splat *phong,
+                         struct shape *s)
+{
+    struct vec3 u = rotate(view->rotation, v3_loadf(phong->u));
+    if (v3_dot(u, u) == 0)
+        return;
+    s->ellipse = true;
+    s->a = v3_scale(u, phong->radius[0]);
+    s->b = v3_scale(v3_cross(s->n, u), phong->radius[1]);
+    s->reach = hypot(s->a.z, s->b.z);
+}
+
+/* Whether culling takes it: an ellipse may bend its normals to the eye. */
+static bool faces_away(const struct spot_view *view, const struct stp_phong_splat *phong,
+                       const struct shape *s)
+{
+    struct vec3 towards = view->orthographic ? v3(0, 0, -1) : v3_scale(s->p, -1);
+    if (v3_dot(s->n, towards) > 0)
+        return false;
+    if (!s->ellipse)
+        return true;
+    struct ellipse e = { .normal = s->n, .turned = 1 };
+    e.u = v3_scale(s->a, 1 / (double)phong->radius[0]);
+    e.v = v3_scale(s->b, 1 / (double)phong->radius[1]);
+    for (int i = 0; i < 2; i++)
+        e.radius[i] = phong->radius[i];
+    for (int i = 0; i < 4; i++)
+        e.field[i] = phong->field[i];
+    return !ellipse_faces(&e, towards, view->orthographic);
+}
+
+/* False: not in view. */
+static bool take_shape(const struct spot_view *view, size_t i, struct shape *s)
 {
     const struct splats *splats = &view->scene->splats;
+    const struct stp_phong_splat *phong = splats->phong ? &splats->phong[i] : NULL;
     const double *at = splats->position[i], *o = splats->origin;
     struct vec3 p = rotate(view->rotation, v3(at[0] - o[0], at[1] - o[1], at[2] - o[2]));
-    p = v3_add(p, v3_load(view->translation));
-    struct vec3 n = rotate(view->rotation, v3_loadf(splats->normal[i]));
-    double radius = splats->radius[i];
+    *s = (struct shape){ .p = v3_add(p, v3_load(view->translation)), .radius = splats->radius[i] };
+    s->n = rotate(view->rotation, v3_loadf(splats->normal[i]));
+    if (v3_dot(s->n, s->n) == 0)
+        s->n = view->orthographic ? v3(0, 0, -1) : v3_unit(v3_scale(s->p, -1));
+    s->reach = s->radius * sqrt(fmax(0, 1 - s->n.z * s->n.z));
+    if (phong)
+        take_ellipse(view, phong, s);
+    if (!(s->p.z + s->reach >= view->near_depth) || s->p.z - s->reach > view->far_depth)
+        return false;
+    return !view->cull_back || !faces_away(view, phong, s);
+}
+
+/* Around the centre's place on the screen; false: cut by the eye plane. */
+static bool find_outline(const struct spot_view *view, const struct shape *s, struct vec3 ray,
+                         struct outline *o)
+{
+    if (view->orthographic && s->ellipse)
+        parallel_of(view, s->a, s->b, o);
+    else if (view->orthographic)
+        parallel(view, s->n, s->radius, o);
+    else if (s->p.z - s->reach <= view->near_depth)
+        return false;
+    else
+        return s->ellipse ? conic_of(view, s->p, s->a, s->b, o)
+                          : conic(view, s->n, ray, s->p.z / s->radius, o);
+    return true;
+}
+
+bool spot_find(const struct spot_view *view, size_t i, struct spot *spot)
+{
+    struct shape shape;
     struct outline outline;
-    bool flat = view->orthographic;
-    if (v3_dot(n, n) == 0)
-        n = flat ? v3(0, 0, -1) : v3_unit(v3_scale(p, -1));
-    double reach = radius * sqrt(fmax(0, 1 - n.z * n.z));
-    if (!(p.z + reach >= view->near_depth) || p.z - reach > view->far_depth)
+    if (!take_shape(view, i, &shape))
         return false;
-    if (view->cull_back && !(v3_dot(n, flat ? v3(0, 0, 1) : p) < 0))
-        return false;
-    struct vec3 s = flat ? v3(p.x, p.y, 1) : v3(p.x / p.z, p.y / p.z, 1);
-    bool cut =
-        !flat && (p.z - reach <= view->near_depth || !conic(view, n, s, p.z / radius, &outline));
+    struct vec3 p = shape.p, s = view->orthographic ? v3(p.x, p.y, 1) : v3(p.x / p.z, p.y / p.z, 1);
+    bool cut = !find_outline(view, &shape, s, &outline);
     if (cut) {
         cut_outline(view, &outline);
         s = v3(0, 0, 1);
-    } else if (flat)
-        parallel(view, n, radius, &outline);
+    }
     double x = view->cx + view->fx * s.x, y = view->cy + view->fy * s.y;
     if (!pixels_in(x + outline.low[0], x + outline.high[0], view->width, &spot->x0, &spot->x1) ||
         !pixels_in(y + outline.low[1], y + outline.high[1], view->height, &spot->y0, &spot->y1))

@@ -43,6 +43,7 @@ struct survey {
     double touched;        /* of the blocks that a splat touches */
     double deep;           /* fragments beyond the eighth of a pixel, if a block's are even */
     double overflow;       /* pixels of the blocks that have more than STP_SLOTS a pixel */
+    double layers;         /* a touched pixel, in the mean; of transparent scenes, by a probe */
     uint32_t across, down; /* blocks */
     float *mass;           /* fragments of each block; 0: untouched */
 };

@@ -13,6 +13,8 @@ enum stp_transparency plan_resolve_transparency(const struct stp_facts *facts,
     if (params->transparency != STP_TRANSPARENCY_AUTO)
         return params->transparency;
     switch (params->method) {
+    case STP_METHOD_AXIS: /* which composites splats, and has no layers */
+        return STP_TRANSPARENCY_AUTO;
     case STP_METHOD_DEFERRED:
         return STP_TRANSPARENCY_FAST;
     case STP_METHOD_TWO_PASS:
@@ -113,7 +115,7 @@ enum stp_result plan_choose_transparency(const struct stp_env *env, struct stp_p
     return STP_OK;
 }
 
-void plan_explain_layers(struct stp_plan *plan)
+void plan_explain_layers(struct stp_plan *plan, const char *asked)
 {
     const struct stp_cover *cover = &plan->facts.cover;
     const char *name = stp_transparency_name(plan->transparency);
@@ -122,12 +124,12 @@ void plan_explain_layers(struct stp_plan *plan)
         least = cover->coverage[k] < least ? cover->coverage[k] : least;
     if (plan->transparency == STP_TRANSPARENCY_PEEL)
         snprintf(plan->why, sizeof plan->why,
-                 "%s is asked for: the %u nearest layers, two geometry passes by %s for each.",
-                 name, plan_repeats(plan), stp_path_name(plan->path));
+                 "%s is %s: the %u nearest layers, two geometry passes by %s for each.", name,
+                 asked, plan_repeats(plan), stp_path_name(plan->path));
     else
         snprintf(plan->why, sizeof plan->why,
-                 "%s is asked for: %u groups that each cover %.1f %% of the surface or more, %.0f "
+                 "%s is %s: %u groups that each cover %.1f %% of the surface or more, %.0f "
                  "%% duplicates, blended back to front by the rasteriser%s.",
-                 name, cover->groups, 100 * least, 100 * cover->duplicates,
+                 name, asked, cover->groups, 100 * least, 100 * cover->duplicates,
                  plan->transparency == STP_TRANSPARENCY_NEAREST ? ", the nearest layer apart" : "");
 }

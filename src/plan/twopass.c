@@ -147,8 +147,9 @@ void plan_twopass(struct stp_plan *plan)
 
 static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
 {
-    candidate[0] = (struct plan_candidate){ STP_METHOD_TWO_PASS, STP_PATH_COMPUTE, STP_PAYLOAD_AUTO,
-                                            STP_VORONOI_OFF, 0 };
+    candidate[0] = (struct plan_candidate){ .method = STP_METHOD_TWO_PASS,
+                                            .path = STP_PATH_COMPUTE,
+                                            .voronoi = STP_VORONOI_OFF };
     candidate[1] = candidate[0];
     candidate[1].path = STP_PATH_RASTER;
     return 2;
@@ -168,4 +169,6 @@ static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, s
 {
 }
 
-const struct plan_offer plan_twopass_offer = { candidates, cost, keep };
+const struct plan_offer plan_twopass_offer = {
+    .method = STP_METHOD_TWO_PASS, .candidates = candidates, .cost = cost, .keep = keep
+};

@@ -19,6 +19,9 @@ static void way(FILE *out, const struct report_row *row)
         number(out, row->overlap_asked);
     else
         fputc(',', out);
+    fprintf(out, ",%s,", row->transparency ? row->transparency : "");
+    if (row->peel_layers)
+        fprintf(out, "%u", row->peel_layers);
     number(out, row->ms.median);
     number(out, row->ms.quartile1);
     number(out, row->ms.quartile3);
@@ -37,7 +40,7 @@ static void pick_line(FILE *out, const struct report *report, const struct repor
     if (best)
         way(out, best);
     else
-        fputs(",,,,,,,,,", out);
+        fputs(",,,,,,,,,,,", out);
     fputc('\n', out);
 }
 
@@ -45,9 +48,10 @@ void report_picks_csv(FILE *out, const struct report *report)
 {
     fputs("bound,met,predicted_ms,predicted_error", out);
     for (int best = 0; best < 2; best++) {
-        static const char *const columns[] = { "method",       "path",         "payload",
-                                               "voronoi",      "overlap",      "ms",
-                                               "ms_quartile1", "ms_quartile3", "error" };
+        static const char *const columns[] = { "method",       "path",    "payload",
+                                               "voronoi",      "overlap", "transparency",
+                                               "peel_layers",  "ms",      "ms_quartile1",
+                                               "ms_quartile3", "error" };
         for (unsigned i = 0; i < sizeof columns / sizeof *columns; i++)
             fprintf(out, ",%s%s", best ? "best_" : "", columns[i]);
     }

@@ -11,6 +11,8 @@
 #include "base/memory.h"
 #include "plan/profile.h"
 
+#define KINDS "with layers and the pyramid" /* what there are prices of */
+
 /* FNV-1a, of several strings with their ends. */
 static uint64_t hash(const char *const *text, unsigned count)
 {
@@ -31,7 +33,7 @@ enum stp_result calibrate_cache_path(const struct stp_env *env, const struct stp
     const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
     bool own = cache && cache[0] == '/';
     const char *base = own ? cache : home, *middle = own ? "" : "/.cache";
-    const char *const key[] = { limits->device, limits->driver, stp_version() };
+    const char *const key[] = { limits->device, limits->driver, stp_version(), KINDS };
     if (!base || base[0] != '/')
         return STP_OK;
     size_t size = strlen(base) + 64;
@@ -39,7 +41,7 @@ enum stp_result calibrate_cache_path(const struct stp_env *env, const struct stp
     if (!made)
         return log_no_memory(env, size, "the cache's name");
     snprintf(made, size, "%s%s/stipple/calibration-%016llx.json", base, middle,
-             (unsigned long long)hash(key, 3));
+             (unsigned long long)hash(key, 4));
     *path = made;
     return STP_OK;
 }

@@ -12,8 +12,9 @@ struct calibrate_scene {
     double radius;         /* of a splat, pixels */
     double fill;           /* share of the picture's side that the largest sphere spans */
     unsigned shells;
-    double overlap; /* of the groups */
+    double overlap; /* of the groups; 0: none are made */
     bool color;     /* after those without: only what these have not measured is */
+    double opacity; /* 0: opaque */
 };
 extern const struct calibrate_scene calibrate_scenes[];
 extern const unsigned calibrate_scene_count;

@@ -9,17 +9,24 @@
 /* What a fit has to tell apart: splats that are many or large, pictures that are full or empty, few
  * layers or many, a few fragments a pixel or more than slots. */
 const struct calibrate_scene calibrate_scenes[] = {
-    { 16000, 384, 4, 0.9, 1, 0.4, false },    { 16000, 384, 4, 0.9, 1, 1, false },
-    { 300000, 640, 1.5, 0.9, 1, 0.6, false }, { 60000, 512, 2.5, 0.5, 1, 0.4, false },
-    { 1200, 512, 20, 0.9, 1, 0.4, false },    { 3000, 512, 12, 0.9, 1, 0.6, false },
-    { 150, 384, 90, 0.9, 1, 0.6, false },     { 10000, 1024, 3, 0.3, 1, 0.8, false },
-    { 20000, 1024, 6, 0.9, 1, 0.4, false },   { 16000, 256, 5, 0.9, 4, 0.4, false },
-    { 8000, 128, 10, 0.7, 3, 0.4, false },    { 16000, 384, 4, 0.9, 1, 0.4, true },
-    { 300000, 640, 1.5, 0.9, 1, 0.6, true },  { 60000, 512, 2.5, 0.5, 1, 0.4, true },
-    { 1200, 512, 20, 0.9, 1, 0.4, true },     { 3000, 512, 12, 0.9, 1, 0.6, true },
-    { 150, 384, 90, 0.9, 1, 0.6, true },      { 10000, 1024, 3, 0.3, 1, 0.8, true },
-    { 20000, 1024, 6, 0.9, 1, 0.4, true },    { 16000, 256, 5, 0.9, 4, 0.4, true },
-    { 8000, 128, 10, 0.7, 3, 0.4, true },
+    { 8000, 272, 4, 0.9, 1, 0.4, false, 0 },     { 8000, 272, 4, 0.9, 1, 0.8, false, 0 },
+    { 120000, 400, 1.5, 0.9, 1, 0.4, false, 0 }, { 40000, 416, 2.5, 0.5, 1, 0.4, false, 0 },
+    { 700, 400, 20, 0.9, 1, 0.4, false, 0 },     { 1800, 400, 12, 0.9, 1, 0.8, false, 0 },
+    { 100, 264, 70, 0.9, 1, 0.4, false, 0 },     { 6000, 1024, 3, 0.3, 1, 0.8, false, 0 },
+    { 9000, 768, 6.5, 0.9, 1, 0.4, false, 0 },   { 12000, 176, 5, 0.9, 4, 0.4, false, 0 },
+    { 4000, 96, 10, 0.7, 3, 0.4, false, 0 },     { 8000, 272, 4, 0.9, 1, 0.4, true, 0 },
+    { 120000, 400, 1.5, 0.9, 1, 0.4, true, 0 },  { 40000, 416, 2.5, 0.5, 1, 0.4, true, 0 },
+    { 700, 400, 20, 0.9, 1, 0.4, true, 0 },      { 1800, 400, 12, 0.9, 1, 0.8, true, 0 },
+    { 100, 264, 70, 0.9, 1, 0.4, true, 0 },      { 6000, 1024, 3, 0.3, 1, 0.8, true, 0 },
+    { 9000, 768, 6.5, 0.9, 1, 0.4, true, 0 },    { 12000, 176, 5, 0.9, 4, 0.4, true, 0 },
+    { 4000, 96, 10, 0.7, 3, 0.4, true, 0 },      { 8000, 272, 4, 0.9, 1, 0, false, 0.4 },
+    { 50000, 264, 1.5, 0.9, 1, 0, false, 0.4 },  { 500, 336, 20, 0.9, 2, 0, false, 0.4 },
+    { 80, 208, 60, 0.9, 1, 0, false, 0.4 },      { 6000, 768, 3, 0.3, 2, 0, false, 0.4 },
+    { 5000, 400, 6, 0.9, 2, 0, false, 0.4 },     { 8000, 184, 5, 0.9, 4, 0, false, 0.4 },
+    { 2500, 88, 10, 0.7, 3, 0, false, 0.4 },     { 50000, 264, 1.5, 0.9, 1, 0, true, 0.4 },
+    { 500, 336, 20, 0.9, 2, 0, true, 0.4 },      { 80, 208, 60, 0.9, 1, 0, true, 0.4 },
+    { 6000, 768, 3, 0.3, 2, 0, true, 0.4 },      { 5000, 400, 6, 0.9, 2, 0, true, 0.4 },
+    { 8000, 184, 5, 0.9, 4, 0, true, 0.4 },      { 2500, 88, 10, 0.7, 3, 0, true, 0.4 },
 };
 const unsigned calibrate_scene_count = sizeof calibrate_scenes / sizeof *calibrate_scenes;
 
@@ -68,7 +75,8 @@ static enum stp_result add_points(const struct stp_env *env, const struct calibr
                                      .normal = (const float(*)[3])a.normal,
                                      .radius = a.radius,
                                      .color = what->color ? (const float(*)[3])a.color : NULL };
-        result = stp_scene_add_points(env, scene, &points, NULL);
+        struct stp_object_params object = { .opacity = (float)what->opacity };
+        result = stp_scene_add_points(env, scene, &points, &object);
     }
     mem_free(a.position);
     mem_free(a.normal);
@@ -77,11 +85,18 @@ static enum stp_result add_points(const struct stp_env *env, const struct calibr
     return result;
 }
 
+/* A few counts for all scenes: shaders are compiled for a count of groups. */
+static unsigned groups_of(double overlap)
+{
+    return overlap < 0.6 ? 4 : 9;
+}
+
 enum stp_result calibrate_scene_make(const struct stp_env *env, const struct calibrate_scene *what,
                                      struct stp_scene **scene, struct stp_camera *camera)
 {
     struct stp_scene *made = NULL;
-    struct stp_group_params group = { .overlap = what->overlap };
+    struct stp_group_params group = { .overlap = what->overlap,
+                                      .max_groups = groups_of(what->overlap) };
     struct stp_prepare_params prepare = { .two_sided = STP_OFF };
     double half = what->size / 2.0, sphere = what->fill * DISTANCE / FOCAL;
     enum stp_result result = stp_scene_create(env, &made);
@@ -89,7 +104,7 @@ enum stp_result calibrate_scene_make(const struct stp_env *env, const struct cal
         result = add_points(env, what, sphere, made);
     if (result == STP_OK)
         result = stp_scene_prepare(env, made, &prepare);
-    if (result == STP_OK)
+    if (result == STP_OK && what->overlap > 0)
         result = stp_scene_group(env, made, &group);
     if (result != STP_OK) {
         stp_scene_destroy(&made);

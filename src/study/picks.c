@@ -43,7 +43,8 @@ static bool is_row(const struct study_frame *frame, const struct stp_considered 
     bool voronoi = c->overlap == 0 || frame->plan->voronoi == c->voronoi;
     return frame->config.method == c->method && frame->plan->path == c->path &&
            frame->plan->payload == c->payload && voronoi && frame->config.overlap == c->overlap &&
-           frame->config.epsilon_scale == 1;
+           frame->config.transparency == c->transparency &&
+           frame->config.peel_layers == c->peel_layers && frame->config.epsilon_scale == 1;
 }
 
 /* The row of what was chosen; a new one where the sweep has none. */
@@ -52,10 +53,14 @@ static enum stp_result find_row(struct study *study, const struct stp_considered
     const struct study_config config = {
         .method = c->method,
         .path = c->path,
-        .payload = c->method == STP_METHOD_TWO_PASS ? STP_PAYLOAD_AUTO : c->payload,
+        .payload = c->method == STP_METHOD_EXACT || c->method == STP_METHOD_DEFERRED
+                       ? c->payload
+                       : STP_PAYLOAD_AUTO,
         .voronoi = c->overlap > 0 ? c->voronoi : STP_VORONOI_OFF,
         .overlap = c->overlap,
         .epsilon_scale = 1,
+        .transparency = c->transparency,
+        .peel_layers = c->peel_layers,
     };
     for (*row = 0; *row < study->frame_count; (*row)++)
         if (is_row(&study->frame[*row], c))
@@ -65,8 +70,8 @@ static enum stp_result find_row(struct study *study, const struct stp_considered
 
 enum stp_result study_pick(struct study *study)
 {
-    if (study->scene->volume || study->scene->facts.transparent)
-        return STP_OK; /* their order is not what --max-error decides */
+    if (study->scene->volume)
+        return STP_OK; /* its order is not what --max-error decides */
     struct stp_choice *choice = mem_alloc(1, sizeof *choice);
     enum stp_result result =
         choice ? STP_OK : log_no_memory(study->env, sizeof *choice, "a choice");

@@ -193,6 +193,8 @@ static enum stp_result study_all(struct study *study, const char *folder)
         result = render_reference(study);
     if (result == STP_OK)
         result = study_time(study);
+    if (result == STP_OK)
+        result = study_log_costs(study);
     if (result == STP_OK) {
         report_find_front(&study->report);
         result = study_profile(study);

@@ -5,6 +5,7 @@
 
 #include <stipple/report.h>
 
+#include "plan/offer.h"
 #include "prepare/groupings.h"
 #include "record/record.h"
 #include "report/report.h"
@@ -90,6 +91,14 @@ enum stp_result study_pick(struct study *study);
  */
 
 enum stp_result study_samples(struct study *study);
+
+/* --- amounts.c: what a frame's time is predicted from, and the time that was measured -----------
+ */
+
+void study_log_amounts(const struct stp_env *env, enum plan_cost kind,
+                       const double amount[PLAN_TERMS], double ms);
+/* A line for every frame of an opaque sweep that has a price; after study_time. */
+enum stp_result study_log_costs(struct study *study);
 
 /* --- files.c ---------------------------------------------------------------------------------- */
 

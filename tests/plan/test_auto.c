@@ -26,7 +26,7 @@ static struct inputs wavy(void)
 static void price(struct inputs *in, enum plan_cost kind, double ms)
 {
     in->limits.calibration.ns[kind][PLAN_TERM_FRAME] = ms * 1e6;
-    if (kind >= PLAN_COST_DEFERRED_PACKED)
+    if (kind >= PLAN_COST_DEFERRED_PACKED && kind <= PLAN_COST_DEFERRED_RASTER_ID)
         in->limits.calibration.ns[kind][PLAN_TERM_DEEP] = 5.7; /* 0.11 ms a layer */
 }
 
@@ -61,7 +61,7 @@ static double whole_error(const struct inputs *in, const struct stp_choice *choi
                      STP_OK);
     assert_int_equal(
         stp_plan_create(NULL, in->scene, &in->camera, &choice->params, &in->limits, &plan), STP_OK);
-    assert_int_equal(probe_judge(NULL, &probe, plan, plan_offer_of(plan->method)->keep,
+    assert_int_equal(probe_judge(NULL, &probe, plan, plan_offer_of(plan)->keep,
                                  in->scene->splats.group, false, &error),
                      STP_OK);
     stp_plan_destroy(&plan);
@@ -241,6 +241,32 @@ static void test_bright(void **state)
     release_inputs(&in);
 }
 
+/* One pixel a point: where the bound is loose, and only with a bound. */
+static void test_pyramid(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 3, 2, 5);
+    price(&in, PLAN_COST_PYRAMID, 0.5);
+    in.params.max_error = 0.2;
+    struct stp_choice choice = choose(&in);
+    assert_int_equal(choice.params.method, STP_METHOD_PYRAMID);
+    assert_true(choice.met && choice.params.prediction.error > 1e-4);
+    double error = choice.params.prediction.error;
+    in.params.max_error = error / 2;
+    choice = choose(&in);
+    assert_int_equal(choice.params.method, STP_METHOD_EXACT);
+    assert_int_equal(choice.considered[0].method, STP_METHOD_PYRAMID);
+    assert_int_equal(choice.considered[0].verdict, STP_VERDICT_INEXACT);
+    in.params.max_error = 0;
+    choice = choose(&in);
+    for (unsigned i = 0; i < choice.count; i++)
+        assert_int_not_equal(choice.considered[i].method, STP_METHOD_PYRAMID);
+    in.scene->facts.eye_dome = true; /* which is not the probe's */
+    in.params.max_error = 0.2;
+    assert_int_equal(choose(&in).params.method, STP_METHOD_EXACT);
+    release_inputs(&in);
+}
+
 static void test_refused(void **state)
 {
     struct plan_log log = { 0 };
@@ -274,7 +300,8 @@ static void test_no_memory(void **state)
         struct stp_env env = { .threads = 1, .log = plan_keep_line, .user = &log };
         struct stp_choice choice = { .count = 77 };
         price_all(&in, 1, 2, 5);
-        in.params.max_error = 0.01;
+        price(&in, PLAN_COST_PYRAMID, 0.1);
+        in.params.max_error = 0.001; /* the pyramid is judged, then groups are made */
         mem_fail_at(n);
         result = stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice);
         mem_fail_at(0);
@@ -296,7 +323,7 @@ int main(void)
         cmocka_unit_test(test_fixed),       cmocka_unit_test(test_same),
         cmocka_unit_test(test_sentence),    cmocka_unit_test(test_unmet),
         cmocka_unit_test(test_bright),      cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_pyramid),     cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,4 +1,5 @@
 /* The probe against the reference's whole picture, and against winners found by other code. */
+#include "../pass/ellipses.h"
 #include "plans.h"
 
 #include "base/memory.h"
@@ -15,11 +16,11 @@ struct bed {
     struct probe probe;
 };
 
-static struct bed bed_with(uint32_t seed, size_t count, unsigned cells, double epsilon)
+static struct bed bed_of(struct stp_scene *scene, unsigned cells,
+                         const struct stp_render_params *params)
 {
-    struct bed bed = { .scene = scene_random(seed, count, epsilon),
-                       .camera = hard_view(0, 121, 75),
-                       .params = { .min_splat = -1 } };
+    struct bed bed = { .scene = scene, .camera = hard_view(0, 121, 75), .params = *params };
+    size_t count = scene->splats.count;
     stp_limits_lavapipe(&bed.limits);
     bed.scene->splats.group = calloc(count, 1);
     bed.scene->facts.grouping = (struct stp_grouping){ .groups = 1, .overlap = 0.4 };
@@ -28,6 +29,12 @@ static struct bed bed_with(uint32_t seed, size_t count, unsigned cells, double e
         probe_make(NULL, bed.scene, &bed.camera, &bed.params, &bed.survey, cells, &bed.probe),
         STP_OK);
     return bed;
+}
+
+static struct bed bed_with(uint32_t seed, size_t count, unsigned cells, double epsilon)
+{
+    const struct stp_render_params params = { .min_splat = -1 };
+    return bed_of(scene_random(seed, count, epsilon), cells, &params);
 }
 
 static struct bed bed_make(uint32_t seed, size_t count, unsigned cells)
@@ -53,28 +60,68 @@ static size_t pixel_of(const struct bed *bed, size_t i)
 }
 
 /* Every probed pixel is the reference's, covered or not; most touched blocks have a cell. */
+static void expect_truth(const struct bed *bed)
+{
+    struct stp_image *image = NULL;
+    bool behind = bed->params.background != NULL;
+    assert_int_equal(reference_render(NULL, bed->scene, &bed->camera, &bed->params, &image),
+                     STP_OK);
+    assert_true(bed->probe.cells == bed->survey.touched / 64);
+    for (size_t i = 0; i < bed->probe.pixels; i++) {
+        size_t at = pixel_of(bed, i);
+        bool covered = bed->probe.first[i + 1] > bed->probe.first[i];
+        if (at == SIZE_MAX) {
+            assert_false(covered);
+            continue;
+        }
+        assert_true(behind || covered == (stp_image_find(image, "A")->data.f[at] > 0));
+        for (int k = 0; k < 3; k++)
+            assert_true(
+                fabs(stp_image_find(image, (const char *[]){ "R", "G", "B" }[k])->data.f[at] -
+                     bed->probe.truth[3 * i + k]) < 1e-6);
+    }
+    stp_image_destroy(&image);
+}
+
 static void test_truth(void **state)
 {
     for (uint32_t seed = 1; seed <= 5; seed++) {
         struct bed bed = bed_make(seed, 400, 10000);
-        struct stp_image *image = NULL;
-        assert_int_equal(reference_render(NULL, bed.scene, &bed.camera, &bed.params, &image),
-                         STP_OK);
-        assert_true(bed.probe.cells == bed.survey.touched / 64);
-        for (size_t i = 0; i < bed.probe.pixels; i++) {
-            size_t at = pixel_of(&bed, i);
-            bool covered = bed.probe.first[i + 1] > bed.probe.first[i];
-            if (at == SIZE_MAX) {
-                assert_false(covered);
-                continue;
-            }
-            assert_int_equal(covered, stp_image_find(image, "A")->data.f[at] > 0);
-            for (int k = 0; k < 3; k++)
-                assert_true(
-                    fabs(stp_image_find(image, (const char *[]){ "R", "G", "B" }[k])->data.f[at] -
-                         bed.probe.truth[3 * i + k]) < 1e-6);
+        expect_truth(&bed);
+        bed_release(&bed);
+    }
+}
+
+/* Layers, some of them opaque, before a background or none; the layers of a pixel are counted. */
+static void test_transparent_truth(void **state)
+{
+    static const float background[4] = { 0.3f, 0.9f, 0.1f, 0.5f };
+    for (uint32_t seed = 1; seed <= 4; seed++) {
+        struct stp_render_params params = { .min_splat = -1, .aovs = STP_AOV_LAYERS };
+        struct stp_scene *scene = scene_make(300, 1, EPSILON);
+        uint32_t state_of = seed;
+        for (size_t i = 0; i < 300; i++) {
+            struct vec3 p = random_point(&state_of, 1), n = random_point(&state_of, 1);
+            scene_add(scene, p, n, 0.3 * uniform(&state_of) + 0.01);
+            scene_fade(scene, i, seed % 2 && i % 7 == 0 ? 1 : (float)uniform(&state_of));
         }
-        stp_image_destroy(&image);
+        scene_finish(scene);
+        params.background = seed > 2 ? background : NULL;
+        struct bed bed = bed_of(scene, 10000, &params);
+        assert_true(bed.scene->facts.transparent);
+        expect_truth(&bed);
+        assert_true(bed.probe.layers > 0.2 && bed.probe.layers < 20);
+        bed_release(&bed);
+    }
+}
+
+/* Ellipses, their fields of normals and their clip lines. */
+static void test_phong_truth(void **state)
+{
+    for (uint32_t seed = 1; seed <= 4; seed++) {
+        const struct stp_render_params params = { .min_splat = seed > 2 ? 2 : -1 };
+        struct bed bed = bed_of(random_scene(seed, 300, seed % 2), 10000, &params);
+        expect_truth(&bed);
         bed_release(&bed);
     }
 }
@@ -95,7 +142,7 @@ static struct stp_plan *plan_for(const struct bed *bed, enum stp_method method,
 static struct probe_error judge_of(const struct bed *bed, const struct stp_plan *plan)
 {
     struct probe_error error;
-    const struct plan_offer *offer = plan_offer_of(plan->method);
+    const struct plan_offer *offer = plan_offer_of(plan);
     assert_int_equal(
         probe_judge(NULL, &bed->probe, plan, offer->keep, bed->scene->splats.group, false, &error),
         STP_OK);
@@ -244,9 +291,10 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_truth),    cmocka_unit_test(test_exact_methods),
-        cmocka_unit_test(test_winners),  cmocka_unit_test(test_groups),
-        cmocka_unit_test(test_sampling), cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_truth),       cmocka_unit_test(test_transparent_truth),
+        cmocka_unit_test(test_phong_truth), cmocka_unit_test(test_exact_methods),
+        cmocka_unit_test(test_winners),     cmocka_unit_test(test_groups),
+        cmocka_unit_test(test_sampling),    cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

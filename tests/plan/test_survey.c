@@ -1,4 +1,5 @@
 /* The survey against fragments counted one by one, by the reference's own hits. */
+#include "../pass/ellipses.h"
 #include "plans.h"
 
 #include "base/memory.h"
@@ -65,6 +66,22 @@ static void test_against_hits(void **state)
         struct stp_render_params params = { .min_splat = -1 };
         compare(scene, &camera, &params, 0.04);
         params.min_splat = 3;
+        compare(scene, &camera, &params, 0.04);
+        params.cull = STP_CULL_BACK;
+        compare(scene, &camera, &params, 0.04);
+        look_at(&flat, v3(2, 3, 4), v3(0, 0, 0));
+        compare(scene, &flat, &params, 0.04);
+        stp_scene_destroy(&scene);
+    }
+}
+
+/* Ellipses of up to 30 : 1, with fields that may face the eye where their normals do not. */
+static void test_ellipses(void **state)
+{
+    for (uint32_t seed = 1; seed <= 4; seed++) {
+        struct stp_scene *scene = random_scene(seed, 300, false);
+        struct stp_camera camera = hard_view(0, 123, 77), flat = flat_camera(123, 77, 30);
+        struct stp_render_params params = { .min_splat = -1 };
         compare(scene, &camera, &params, 0.04);
         params.cull = STP_CULL_BACK;
         compare(scene, &camera, &params, 0.04);
@@ -183,9 +200,10 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_hits), cmocka_unit_test(test_threads),
-        cmocka_unit_test(test_sample),       cmocka_unit_test(test_depth),
-        cmocka_unit_test(test_boundary),     cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_against_hits), cmocka_unit_test(test_ellipses),
+        cmocka_unit_test(test_threads),      cmocka_unit_test(test_sample),
+        cmocka_unit_test(test_depth),        cmocka_unit_test(test_boundary),
+        cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

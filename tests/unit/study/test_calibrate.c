@@ -200,14 +200,17 @@ static void scenes(void **state)
         const struct calibrate_scene *what = &calibrate_scenes[i];
         struct stp_scene *scene = NULL;
         struct stp_camera camera;
-        assert_true(i == 0 || what->color >= what[-1].color);
+        bool clear = what->opacity > 0;
+        assert_true(i == 0 || what->color >= what[-1].color || what->opacity > what[-1].opacity);
         if (what->splats > 20000)
             continue;
         assert_int_equal(calibrate_scene_make(NULL, what, &scene, &camera), STP_OK);
         const struct stp_facts *facts = stp_scene_facts(scene);
         assert_true(facts->splats + what->shells > what->splats);
         assert_int_equal(facts->has_color, what->color);
-        assert_true(facts->grouping.groups > 0 && facts->grouping.overlap == what->overlap);
+        assert_int_equal(facts->transparent, clear);
+        assert_true(clear == (what->overlap == 0));
+        assert_true(clear == (facts->grouping.groups == 0));
         double pixels = facts->radius_median * camera.fx / 10;
         assert_true(fabs(pixels / what->radius - 1) < 1e-3);
         stp_scene_destroy(&scene);

@@ -1,0 +1,339 @@
+/* The last push, the rim and the light of the probe's pixels (glsl/passes/pyramid_shade.comp,
+ * pyramid_rim_*.comp), and what the pyramid tells auto. */
+#include "plan/pyramid_probe.h"
+
+#include <string.h>
+
+#include "base/log.h"
+#include "base/memory.h"
+
+#define CELL_PIXELS (PROBE_CELL * PROBE_CELL)
+#define NO_CELL     UINT32_MAX
+#define NEAR_REACH  1.5
+
+/* A pixel of the probe that nothing covers yet may be reached by discs from afar. */
+struct empty {
+    bool is;
+    double depth; /* of the nearest disc that does */
+};
+
+struct drawing {
+    const struct pyramid *p;
+    const struct probe *probe;
+    struct probe_color *color;
+    struct empty *empty;
+    uint32_t *cell_of; /* of each block of the picture */
+    uint32_t across, down;
+};
+
+/* What a pixel shows: normal in the device's frame. */
+struct shown {
+    double depth, normal[3], color[3];
+    uint32_t id;
+};
+
+/* Of probe pixel i: its place in the grid, and in the picture. False: outside. */
+static bool locate(const struct drawing *d, size_t i, int64_t at[2], double q[2])
+{
+    const uint32_t *corner = d->probe->corner[i / CELL_PIXELS];
+    uint32_t x = corner[0] + i % CELL_PIXELS % PROBE_CELL,
+             y = corner[1] + i % CELL_PIXELS / PROBE_CELL;
+    at[0] = (int64_t)x - d->p->plan->grid.x;
+    at[1] = (int64_t)y - d->p->plan->grid.y;
+    q[0] = x + 0.5;
+    q[1] = y + 0.5;
+    return x < d->probe->view.width && y < d->probe->view.height && at[0] >= 0 && at[1] >= 0 &&
+           at[0] < d->p->width[0] && at[1] < d->p->height[0];
+}
+
+static void show(const struct drawing *d, size_t i, const struct shown *s)
+{
+    const struct view *view = &d->probe->view;
+    const struct ray *ray = &d->probe->ray[i];
+    struct surface surface = { .depth = s->depth,
+                               .weight = 1,
+                               .opacity = 1,
+                               .normal = v3_unit(v3(s->normal[0], -s->normal[1], -s->normal[2])),
+                               .point = ray_at(ray, s->depth),
+                               .albedo = v3(s->color[0], s->color[1], s->color[2]),
+                               .count = 1,
+                               .id = s->id,
+                               .layers = 1 };
+    struct vec3 c = surface_shade(view, &surface);
+    struct probe_color *out = &d->color[i];
+    memcpy(out->color, (double[3]){ c.x, c.y, c.z }, sizeof out->color);
+    out->covered = true;
+}
+
+static struct shown shown_point(const struct pyramid_texel *t, double depth)
+{
+    struct shown s = { .depth = depth, .id = t->id };
+    for (int k = 0; k < 3; k++) {
+        s.normal[k] = (double)t->normal[k];
+        s.color[k] = (double)t->color[k];
+    }
+    return s;
+}
+
+static void center_of(const struct pyramid *p, const struct pyramid_texel *t, int64_t x, int64_t y,
+                      double center[2])
+{
+    pyramid_middle(p, 0, x, y, center);
+    for (int k = 0; k < 2; k++)
+        center[k] += (double)t->center[k];
+}
+
+/* --- the rim (glsl/lib/rim.glsl) ----------------------------------------------------------------
+ */
+
+static double crowd_of(const struct pyramid *p, const struct pyramid_texel *t,
+                       const double center[2])
+{
+    const struct eye *e = &p->view->eye;
+    double scale = e->orthographic ? 1 : 1 / (double)t->depth, facing = fabs((double)t->normal[2]);
+    if (!e->orthographic)
+        facing =
+            fabs(v3_dot(v3_loadf(t->normal),
+                        v3_unit(v3((center[0] - e->cx) / e->fx, (center[1] - e->cy) / e->fy, 1))));
+    double r = (double)t->radius * scale, area = 3.14159 * r * r * e->fx * e->fy * facing;
+    return 0.6 * fmin(fmax((16 - area) / 12, 0), 1);
+}
+
+static bool rim_hit(const struct pyramid *p, const struct pyramid_texel *t, double crowd,
+                    const double center[2], const double q[2], double *depth)
+{
+    const struct eye *e = &p->view->eye;
+    double d[2] = { center[0] - q[0], center[1] - q[1] }, away = hypot(d[0], d[1]);
+    double part = fmin(crowd, away) / fmax(away, 1e-6);
+    const double at[2] = { q[0] + d[0] * part, q[1] + d[1] * part };
+    struct pyramid_meeting m = pyramid_meet(p, t, center, at);
+    *depth = m.depth;
+    return m.hit && m.depth >= e->near_depth && m.depth <= e->far_depth;
+}
+
+static struct shown shown_mean(const struct pyramid_push *r)
+{
+    struct shown s = { .depth = r->depth, .id = r->disc.id };
+    for (int k = 0; k < 3; k++) {
+        s.normal[k] = r->normal[k];
+        s.color[k] = r->color[k] / r->weight;
+    }
+    return s;
+}
+
+/* glsl/lib/rim_surface.glsl: what a pixel shows that the disc of t reaches at this depth. */
+static struct shown rim_surface(const struct drawing *d, const int64_t at[2], const double q[2],
+                                const struct pyramid_texel *t, double depth)
+{
+    const struct eye *e = &d->p->view->eye;
+    struct pyramid_texel own = pyramid_load(d->p, 0, at[0], at[1]);
+    struct pyramid_push r = pyramid_push(d->p, 1, at[0], at[1], q, false);
+    bool mean = !isfinite(own.depth) && r.weight > 0 && r.depth <= depth + (double)t->radius &&
+                r.depth >= e->near_depth && r.depth <= e->far_depth;
+    return mean ? shown_mean(&r) : shown_point(t, depth);
+}
+
+/* The nearest of the discs of the pixels round about that reach this one. */
+static bool rim_near(const struct drawing *d, const int64_t at[2], const double q[2], bool doubtful,
+                     struct shown *s, double *reach)
+{
+    double nearest = INFINITY, depth, center[2];
+    for (int i = 0; i < 9; i++) {
+        int64_t x = at[0] + i % 3 - 1, y = at[1] + i / 3 - 1;
+        struct pyramid_texel t = pyramid_load(d->p, 0, x, y);
+        if (!isfinite(t.depth))
+            continue;
+        center_of(d->p, &t, x, y, center);
+        double crowd = doubtful ? 0 : crowd_of(d->p, &t, center);
+        if (!rim_hit(d->p, &t, crowd, center, q, &depth) || !(depth < nearest))
+            continue;
+        nearest = depth;
+        *reach = depth + (double)t.radius;
+        *s = rim_surface(d, at, q, &t, depth);
+    }
+    return isfinite(nearest);
+}
+
+/* A disc of level 0 into the cells that it touches, where nothing is yet. */
+static void reach_cell(const struct drawing *d, uint32_t cell, const struct pyramid_texel *t,
+                       double crowd, const double center[2])
+{
+    for (uint32_t k = 0; k < CELL_PIXELS; k++) {
+        size_t i = (size_t)cell * CELL_PIXELS + k;
+        int64_t at[2];
+        double q[2], depth;
+        if (!d->empty[i].is || !locate(d, i, at, q) ||
+            !rim_hit(d->p, t, crowd, center, q, &depth) || !(depth < d->empty[i].depth))
+            continue;
+        d->empty[i].depth = depth;
+        struct shown s = rim_surface(d, at, q, t, depth);
+        show(d, i, &s);
+    }
+}
+
+static void block_range(double low, double high, uint32_t blocks, int64_t *first, int64_t *last)
+{
+    *first = (int64_t)fmax(floor(low / SURVEY_BLOCK), 0);
+    *last = (int64_t)fmin(floor(high / SURVEY_BLOCK), blocks - 1.0);
+}
+
+static void reach_far(const struct drawing *d, int64_t x, int64_t y)
+{
+    const struct eye *e = &d->p->view->eye;
+    struct pyramid_texel t = pyramid_load(d->p, 0, x, y);
+    int64_t low[2], high[2];
+    double center[2];
+    if (!isfinite(t.depth))
+        return;
+    center_of(d->p, &t, x, y, center);
+    double crowd = crowd_of(d->p, &t, center), floor_ = (double)d->p->plan->frame.pyramid_floor;
+    double r = (double)t.radius, z = (double)t.depth;
+    double nearest = e->orthographic ? 1 : fmax(z - r, 0.5 * z);
+    double rx = fmax(r * e->fx / nearest, floor_) + crowd;
+    double ry = fmax(r * e->fy / nearest, floor_) + crowd;
+    if (fmax(rx, ry) <= NEAR_REACH)
+        return;
+    rx = fmin(rx + 0.5, STP_RIM_REACH);
+    ry = fmin(ry + 0.5, STP_RIM_REACH);
+    block_range(center[0] - rx, center[0] + rx, d->across, &low[0], &high[0]);
+    block_range(center[1] - ry, center[1] + ry, d->down, &low[1], &high[1]);
+    for (int64_t by = low[1]; by <= high[1]; by++)
+        for (int64_t bx = low[0]; bx <= high[0]; bx++) {
+            uint32_t cell = d->cell_of[(size_t)by * d->across + (size_t)bx];
+            if (cell != NO_CELL)
+                reach_cell(d, cell, &t, crowd, center);
+        }
+}
+
+/* --- a pixel ------------------------------------------------------------------------------------
+ */
+
+/* The push of level 0: what the pixel shows. *doubtful: its own point may be hidden yet. */
+static bool shade_pixel(const struct drawing *d, const int64_t at[2], const double q[2],
+                        struct shown *s, bool *doubtful)
+{
+    const struct eye *e = &d->p->view->eye;
+    struct pyramid_texel own = pyramid_load(d->p, 0, at[0], at[1]);
+    bool valid = isfinite(own.depth), copied = false;
+    struct pyramid_push r = pyramid_push(d->p, 1, at[0], at[1], q, valid);
+    *doubtful = false;
+    if (valid) {
+        double center[2];
+        center_of(d->p, &own, at[0], at[1], center);
+        struct pyramid_meeting m = pyramid_meet(d->p, &own, center, q);
+        *s = shown_point(&own, m.hit ? fmax(m.depth, e->near_depth) : (double)own.depth);
+        copied = !(r.weight > 0 && s->depth > r.reach);
+        *doubtful = copied && s->depth > r.before;
+    }
+    if (copied)
+        return true;
+    bool rim = r.disc.rim && !valid; /* there the points' own discs decide */
+    if (rim || !(r.weight > 0 && r.depth >= e->near_depth && r.depth <= e->far_depth))
+        return false;
+    *s = shown_mean(&r);
+    return true;
+}
+
+static void draw_pixel(const struct drawing *d, size_t i)
+{
+    int64_t at[2];
+    double q[2], reach = INFINITY;
+    struct shown own = { 0 }, other = { 0 };
+    bool doubtful;
+    if (!locate(d, i, at, q))
+        return;
+    bool hit = shade_pixel(d, at, q, &own, &doubtful);
+    bool found = (!hit || doubtful) && rim_near(d, at, q, doubtful, &other, &reach);
+    if (hit && !(doubtful && found && own.depth > reach))
+        show(d, i, &own);
+    else if (found)
+        show(d, i, &other);
+    else
+        d->empty[i] = (struct empty){ true, INFINITY };
+}
+
+/* What nothing covers shows what is behind it all, as the truth does where it has nothing. */
+static void begin_pixel(const struct drawing *d, size_t i)
+{
+    const struct probe_pixel nothing = { NULL, 0, 0, 0 };
+    probe_resolve(d->probe, i, &nothing, d->color[i].color);
+    d->color[i].covered = false;
+    d->empty[i].is = false;
+}
+
+static void draw_all(const struct drawing *d)
+{
+    for (size_t b = 0; b < (size_t)d->across * d->down; b++)
+        d->cell_of[b] = NO_CELL;
+    for (unsigned c = 0; c < d->probe->cells; c++) {
+        const uint32_t *corner = d->probe->corner[c];
+        d->cell_of[(size_t)(corner[1] / SURVEY_BLOCK) * d->across + corner[0] / SURVEY_BLOCK] = c;
+    }
+    for (size_t i = 0; i < d->probe->pixels; i++) {
+        begin_pixel(d, i);
+        draw_pixel(d, i);
+    }
+    for (int64_t y = 0; d->p->plan->rim_far && y < d->p->height[0]; y++)
+        for (int64_t x = 0; x < d->p->width[0]; x++)
+            reach_far(d, x, y);
+}
+
+static enum stp_result draw(const struct stp_env *env, const struct probe *probe,
+                            const struct stp_plan *plan, struct probe_color *color)
+{
+    struct pyramid pyramid = { 0 };
+    struct drawing d = { .p = &pyramid,
+                         .probe = probe,
+                         .color = color,
+                         .across = (probe->view.width + SURVEY_BLOCK - 1) / SURVEY_BLOCK,
+                         .down = (probe->view.height + SURVEY_BLOCK - 1) / SURVEY_BLOCK };
+    enum stp_result result = pyramid_make(env, plan, &probe->view, &pyramid);
+    if (result != STP_OK)
+        return result;
+    d.empty = mem_alloc(probe->pixels ? probe->pixels : 1, sizeof *d.empty);
+    d.cell_of = mem_alloc((size_t)d.across * d.down, sizeof *d.cell_of);
+    if (d.empty && d.cell_of)
+        draw_all(&d);
+    else
+        result = log_no_memory(env, probe->pixels * sizeof *d.empty, "drawing a probe");
+    mem_free(d.empty);
+    mem_free(d.cell_of);
+    pyramid_release(&pyramid);
+    return result;
+}
+
+bool pyramid_can_judge(const struct stp_plan *plan)
+{
+    return plan->method != STP_METHOD_PYRAMID ||
+           (plan->chunk_count == 0 &&
+            (uint64_t)plan->grid.width * plan->grid.height <= PYRAMID_MOST_PIXELS);
+}
+
+/* --- what it tells auto -------------------------------------------------------------------------
+ */
+
+static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
+{
+    candidate[0] = (struct plan_candidate){ .method = STP_METHOD_PYRAMID,
+                                            .path = STP_PATH_COMPUTE,
+                                            .voronoi = STP_VORONOI_OFF };
+    return 1;
+}
+
+/* Points once, pixels level by level, and where discs may reach far, those of the points that won
+ * their pixels. */
+static enum plan_cost cost(const struct stp_plan *plan, const struct survey *survey,
+                           double amount[PLAN_TERMS])
+{
+    double winners = survey->drawn > survey->touched ? survey->touched / survey->drawn : 1;
+    plan_common_amounts(plan, survey, amount);
+    amount[PLAN_TERM_BOX] = amount[PLAN_TERM_LARGE] = amount[PLAN_TERM_LARGE_BOX] =
+        amount[PLAN_TERM_FRAGMENTS] = 0;
+    if (plan->rim_far)
+        amount[PLAN_TERM_LARGE_BOX] = winners * (survey->small_box + survey->large_box);
+    return plan->constant[PLAN_HAS_COLOR] ? PLAN_COST_PYRAMID_COLOR : PLAN_COST_PYRAMID;
+}
+
+const struct plan_offer plan_pyramid_offer = {
+    .method = STP_METHOD_PYRAMID, .candidates = candidates, .cost = cost, .draw = draw
+};
