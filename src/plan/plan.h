@@ -53,7 +53,7 @@ enum plan_constant {
     PLAN_PHONG,      /* 0: all are discs; 1: ellipses; 2: some have clip lines */
     PLAN_SHADE,      /* enum stp_shade */
     PLAN_LIGHT_CUBE,
-    PLAN_ELLIPSOIDS,    /* axis: every kernel has its own shape, and together they are a surface */
+    PLAN_AXIS_SHAPE,    /* enum axis_shape */
     PLAN_CULL_CLUSTERS, /* pyramid: points are culled by STP_CLUSTER before they are projected */
     PLAN_CONSTANTS
 };
@@ -227,8 +227,11 @@ enum plan_shader {
     PLAN_SHADER_PYRAMID_RIM_SHADE_COLOR,
     PLAN_SHADER_PYRAMID_RIM_SHADE_ALL,
     PLAN_SHADER_AXIS_PROJECT,
+    PLAN_SHADER_AXIS_SURFACE, /* a surface's splats, in the place of the former */
     PLAN_SHADER_AXIS_VERTEX,
     PLAN_SHADER_AXIS_FRAGMENT,
+    PLAN_SHADER_AXIS_SURFACE_VERTEX,
+    PLAN_SHADER_AXIS_SURFACE_FRAGMENT,
     PLAN_SHADER_AXIS_BLOCK, /* then by subgroups; then of one walk and part; so below */
     PLAN_SHADER_AXIS_BLOCK_GROUPED,
     PLAN_SHADER_AXIS_BLOCK_PART,
@@ -450,6 +453,11 @@ void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
 void plan_axis(struct stp_plan *plan);
+/* axis_surface.c: of points and splats, drawn as flat Gaussians. */
+bool plan_axis_asked(const struct stp_plan *plan);
+enum stp_result plan_check_axis_surface(const struct stp_env *env, const struct stp_plan *plan);
+void plan_axis_surface_project(struct stp_plan *plan);
+void plan_surface_resources(struct stp_plan *plan); /* tile.c: splats and what goes with them */
 
 /* Their kernels, and by compute the blocks that they touch. */
 void plan_axis_resources(struct stp_plan *plan);
