@@ -1,11 +1,12 @@
 #!/usr/bin/env python3
-"""Hofsetz and Max's tables on volumes of your own, as Markdown.
+"""Hofsetz and Max's tables on volumes, range images and points of your own, as Markdown.
 
   tools/bench_axis.py tables FILE... [--view AZ,EL] [--rounds N]   splats, times and errors
   tools/bench_axis.py speed FILE... [--view AZ,EL] [--rounds N]    times by compute and by raster
   tools/bench_axis.py popping FILE... [--view AZ,EL --to AZ,EL --frames N]
   tools/bench_axis.py cold FILE...                                 from the command to the EXR
   tools/bench_axis.py corners                                      weights from corners, not rays
+  tools/bench_axis.py sheet OUT.png [FILE] [--view AZ,EL --to AZ,EL --frames N]
 
 tables: splats drawn, the median of warm frames (interleaved over rounds), and the PSNR over covered
 pixels against the exact order of the float64 reference; 512 x 512, as in the paper. speed: the same
@@ -13,7 +14,9 @@ frames, and what of them is the CPU's: the lists that a changed camera takes. po
 largest RMSE between neighbouring frames of a path from --view to --to, 256 x 256, of every merge and
 of the exact order itself. cold: wall clock of the whole command, the least of --rounds. corners: how far
 HM's weights, interpolated from the corners of a splat's square, are from those of each pixel's ray, in
-a view of all three axes. docs/results/axis.md was made with it.
+a view of all three axes. sheet: an orbit as a contact sheet, a row a merge, the exact order's last, and the
+same rows as differences from it, times 4; needs oiiotool; without a FILE a volume is made for it.
+docs/results/axis.md was made with it.
 """
 import argparse
 import json
@@ -36,6 +39,8 @@ CONFIGS = [
     ("sort", ["--axis-merge", "sort"]),
 ]
 
+EXACT = ["--method", "axis", "--axis-merge", "reference"]
+
 
 def run(*arguments):
     return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True).stdout
@@ -54,7 +59,7 @@ def error(a, b):
 
 def one_table(file, view, rounds, folder):
     truth, out, stats = (os.path.join(folder, n) for n in ("truth.exr", "out.exr", "stats.json"))
-    render(file, view, 512, truth, ["--method", "reference"])
+    render(file, view, 512, truth, EXACT)
     rows = {name: {"ms": [], "psnr": 0, "splats": 0, "walks": 0} for name, _ in CONFIGS}
     for turn in range(rounds):
         for name, options in CONFIGS:
@@ -89,7 +94,7 @@ def tables(files, view, rounds):
 
 def popping(files, start, end, frames):
     ends = [[float(v) for v in text.split(",")] for text in (start, end)]
-    ways = [("exact order", ["--method", "reference"])] + [
+    ways = [("exact order", EXACT)] + [
         (name, ["--method", "axis", *options]) for name, options in CONFIGS]
     for file in files:
         print(f"\n**{os.path.basename(file)}**, from {start} to {end} in {frames} frames\n")
@@ -211,10 +216,60 @@ def corners():
             print(f"| {side} | {h} | {worst:.4f} | {mean:.6f} |")
 
 
+def shell_volume(folder):
+    """Two crossed rings in a thin shell: what lies in front of what changes with the view."""
+    side, values = 48, bytearray()
+    for i in range(side ** 3):
+        x, y, z = (2 * (c + 0.5) / side - 1 for c in (i % side, i // side % side, i // side // side))
+        rings = min(math.hypot(math.hypot(x, y) - 0.55, z), math.hypot(math.hypot(y, z) - 0.55, x))
+        shell = abs(math.sqrt(x * x + y * y + z * z) - 0.9)
+        values.append(230 if rings < 0.13 else 90 if shell < 0.06 else 0)
+    raw = os.path.join(folder, "rings.raw")
+    with open(raw, "wb") as out:
+        out.write(values)
+    with open(raw + ".json", "w", encoding="utf-8") as out:
+        json.dump({"dims": [side] * 3, "dtype": "uint8"}, out)
+    look = os.path.join(folder, "look.json")
+    with open(look, "w", encoding="utf-8") as out:
+        json.dump({"points": [{"value": 40, "opacity": 0, "color": "#4080ff"},
+                              {"value": 90, "opacity": 0.05, "color": "#4080ff"},
+                              {"value": 160, "opacity": 0.1, "color": "#ffb040"},
+                              {"value": 230, "opacity": 0.9, "color": "#ffb040"}]}, out)
+    return raw, ["--transfer-function", look]
+
+
+def sheet(out, file, start, end, frames, size):
+    ends = [[float(v) for v in text.split(",")] for text in (start, end)]
+    ways = [CONFIGS[i] for i in (4, 3, 1, 5)] + [("exact order", EXACT)]
+    with tempfile.TemporaryDirectory() as folder:
+        look = []
+        if not file:
+            file, look = shell_volume(folder)
+        cells = [[os.path.join(folder, f"{row}-{i}.exr") for i in range(frames)]
+                 for row in range(len(ways))]
+        for row, (_, options) in enumerate(ways):
+            for i in range(frames):
+                t = i / max(frames - 1, 1)
+                view = ",".join(f"{a + t * (b - a):.6f}" for a, b in zip(*ends))
+                render(file, view, size, cells[row][i], [*options, *look])
+        off = [os.path.join(folder, f"off-{row}-{i}.exr")
+               for row in range(len(ways) - 1) for i in range(frames)]
+        for n, path in enumerate(off):
+            row, i = divmod(n, frames)
+            subprocess.run(["oiiotool", cells[row][i], "--ch", "R,G,B", cells[-1][i], "--ch", "R,G,B",
+                            "--absdiff", "--mulc", "4", "-o", path], check=True)
+        shown = [path for row in cells for path in row]
+        subprocess.run(["oiiotool", *(word for path in shown + off for word in (path, "--ch", "R,G,B")),
+                        "--mosaic:pad=2", f"{frames}x{2 * len(ways) - 1}",
+                        "--colorconvert", "linear", "sRGB", "-d", "uint8", "-o", out], check=True)
+    print(f"{out}: from the top " + ", ".join(name for name, _ in ways) +
+          "; then the first four's differences from the last, times 4")
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["tables", "speed", "popping", "cold", "corners"])
+    parser.add_argument("what", choices=["tables", "speed", "popping", "cold", "corners", "sheet"])
     parser.add_argument("files", nargs="*", metavar="FILE")
     parser.add_argument("--view", default="45,35.264")
     parser.add_argument("--to", default="45,35.264")
@@ -229,6 +284,9 @@ def main():
         cold(given.files, given.rounds)
     elif given.what == "corners":
         corners()
+    elif given.what == "sheet":
+        out, *file = given.files
+        sheet(out, file[0] if file else None, given.view, given.to, given.frames, 96)
     else:
         popping(given.files, given.view, given.to, given.frames)
 

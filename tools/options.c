@@ -260,8 +260,8 @@ const struct option_spec option_table[] = {
     { "Method", PICTURE, "method", 0, "auto|deferred|two-pass|exact|reference|pyramid|axis",
       "deferred: groups blended in one pass; two-pass: visibility, then blending; exact: every "
       "fragment kept and resolved; pyramid: one pixel a point, then pull and push, for clouds of "
-      "many millions; reference: float64 on the CPU, slow, needs no Vulkan; axis: volumes, by "
-      "sorted axis lists (default: auto, of a volume axis, else the fastest within --max-error)",
+      "many millions; reference: float64 on the CPU, slow, needs no Vulkan; axis: volumes, and "
+      "points as Gaussians, by sorted axis lists (default: auto, of a volume axis, else the fastest within --max-error)",
       value_choice, AT(render.method), NULL, 0, 0, NULL },
     { NULL, PICTURE, "transparency", 0, "auto|fast|nearest|peel|exact|reference",
       "how layers behind each other are composited where something is transparent. exact: every "
@@ -306,9 +306,10 @@ const struct option_spec option_table[] = {
       value_bytes, AT(render.memory_limit), "a whole number above 0, K, M or G may follow", 0, 0,
       NULL },
 
-    { NULL, PICTURE, "axis-merge", 0, "auto|blend|clip|single|sort",
+    { NULL, PICTURE, "axis-merge", 0, "auto|blend|clip|single|sort|reference",
       "axis: which list serves a pixel; blend: those whose axes are nearly dominant on its ray, "
-      "clip: the dominant one's, single: one for the picture, sort: one by distance from the eye "
+      "clip: the dominant one's, single: one for the picture, sort: one by distance from the eye, "
+      "reference: every ray's own order, in float64 on the CPU "
       "(default: auto, of --method axis blend, of --method auto sort)",
       value_choice, AT(render.axis_merge), NULL, 0, 0, NULL },
     { NULL, PICTURE, "axis-h", 0, "H",
@@ -329,10 +330,11 @@ const struct option_spec option_table[] = {
       value_flag, AT(calibrate), NULL, 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
-      "float64, storage-formats, independent-blend, subgroup-8; may be repeated (default: none)",
+      "float64, storage-formats, independent-blend, subgroup-8, texel-buffers; may be repeated "
+      "(default: none)",
       value_features, AT(render.mask_features),
       "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, "
-      "independent-blend, subgroup-8 with commas between", 0, 0,
+      "independent-blend, subgroup-8, texel-buffers with commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,
       "run under the Vulkan validation layers; any message is a failure (default: off)",

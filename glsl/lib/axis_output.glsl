@@ -5,7 +5,7 @@
 void axis_output(uvec2 p, vec4 color, float depth)
 {
     uint at = p.y * frame.tile_width + p.x;
-    if (ELLIPSOIDS) { // a surface: what covers half of a ray or more is all there is of it
+    if (ELLIPSOIDS || (DISCS && OPACITY == 0)) { // what covers half of a ray or more is all of it
         float scale = color.w > 0 ? min(1, 2 * color.w) / color.w : 0;
         color *= scale;
         depth *= scale;
@@ -13,7 +13,7 @@ void axis_output(uvec2 p, vec4 color, float depth)
     color.w = min(color.w, 1); // a mean of ones may round to more
     frame.out_depth.v[at] = color.w > 0 ? depth / color.w : 1.0 / 0.0;
     frame.out_normal.v[at] = vec3(0);
-    if (BACKGROUND)
+    if (BACKGROUND && !DISCS) // of those it follows, after the eye dome
         color += (1 - color.w) * background_at(pixel_position(p));
     frame.out_color.v[at] = color;
 }

@@ -76,7 +76,9 @@ layout(constant_id = 32) const bool DEEP = false;         // layers are kept one
 layout(constant_id = 33) const uint PHONG = 0;            // 0 all are discs, 1 ellipses, 2 some clipped
 layout(constant_id = 34) const uint SHADE = 0;            // 0 pixels, 1 splats, 2 the nearest splat, flat
 layout(constant_id = 35) const bool LIGHT_CUBE = false;   // light is looked up over normals
-layout(constant_id = 36) const bool ELLIPSOIDS = false;  // axis: of range images
+layout(constant_id = 36) const uint AXIS_SHAPE = 0;       // enum axis_shape
+const bool ELLIPSOIDS = AXIS_SHAPE == 1;                 // of range images
+const bool DISCS = AXIS_SHAPE == 2;                      // a surface's splats
 layout(constant_id = 37) const bool CULL_CLUSTERS = false; // pyramid: points, STP_CLUSTER at once
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 

@@ -7,18 +7,31 @@ const float ALPHA_UNIT = 1099511627776.0; // 2^40: an opacity of 1e-6 keeps its 
 // Of a slot's id word: the splat is opaque, where not all are.
 const uint SLOT_OPAQUE = 0x80000000u;
 
+const float NEVER = 1.0 / 0.0;
+
+// FETCHED: slots are read as texels, which a software device gathers at once where loads through an
+// address take a turn a lane.
+#ifdef FETCHED
+layout(set = 0, binding = STP_BINDING_SLOTS) uniform utextureBuffer slot_texels;
+layout(set = 0, binding = STP_BINDING_SLOT_IDS) uniform utextureBuffer slot_id_texels;
+#endif
+
 struct Slot {
-    uint64_t key;
+    uvec2 key;
     uint id; // with SLOT_OPAQUE; KEY_IDS only
+};
+
+// The nearest fragment has the least rank: equal depths go to the lower id where there are ids.
+struct Rank {
+    float depth; // in quantised steps when packed; NEVER: there is no fragment
+    uint low;    // slot_word; the key's lower word where there are no ids
 };
 
 // What a fragment adds to sums: the same for every layer that might take it.
 struct Term {
-    uint64_t rank;
-    float depth;   // in the units of slot_depth
-    uint word;     // slot_word
-    uint encoded;  // the normal, in 28 bits
-    int weight;    // in UNITs, as the rest, which is multiplied with it
+    Rank rank;
+    uint encoded; // the normal, in 28 bits
+    int weight;   // in UNITs, as the rest, which is multiplied with it
     ivec3 normal;
     i64vec3 albedo; // in COLOR_UNITs
     int64_t alpha;  // in ALPHA_UNITs
@@ -33,70 +46,68 @@ struct Sums {
     uint near_encoded; // the normal of the nearest
 };
 
-const Slot SLOT_NONE = Slot(~0ul, ~0u);
+const Slot SLOT_NONE = Slot(uvec2(~0u), ~0u);
+const Rank RANK_NONE = Rank(NEVER, ~0u);
 const Sums SUMS_NONE = Sums(0, 0, ivec3(0), i64vec3(0), 0l, 0, 0);
 
 Slot slot_read(uint pixel, uint i, bool present)
 {
     Slot slot = SLOT_NONE;
+    uint at = slot_index(pixel, i);
+#ifdef FETCHED
+    slot.key = texelFetch(slot_texels, int(at)).xy;
+    if (KEY_IDS)
+        slot.id = texelFetch(slot_id_texels, int(at)).x;
+#else
     if (present) {
-        uint at = slot_index(pixel, i);
-        slot.key = frame.keys.v[at];
+        slot.key = unpackUint2x32(frame.keys.v[at]);
         if (KEY_IDS)
             slot.id = frame.key_ids.v[at];
     }
+#endif
     return slot;
 }
 
 // The word that holds the id, and whether the splat is opaque.
 uint slot_word(Slot slot)
 {
-    return PACKED ? slot.id : uint(slot.key);
+    return KEY_IDS ? slot.id : slot.key.x;
 }
 
-uint slot_id(uint word)
+uint rank_id(Rank rank)
 {
     if (PACKED && !KEY_IDS)
         return STP_NO_ID;
-    return MIXED ? word & ~SLOT_OPAQUE : word;
+    return MIXED ? rank.low & ~SLOT_OPAQUE : rank.low;
 }
 
-bool word_opaque(uint word)
+bool rank_opaque(Rank rank)
 {
-    return MIXED && (word & SLOT_OPAQUE) != 0;
-}
-
-// In quantised steps when packed.
-float slot_depth(uvec2 key)
-{
-    return PACKED ? float(key_depth(key)) : depth_ordered(key.y);
-}
-
-// The nearest fragment has the least rank: equal depths go to the lower id where there are ids.
-uint64_t slot_rank(Slot slot)
-{
-    if (KEY_IDS && slot.key != ~0ul)
-        return packUint2x32(uvec2(slot.id, key_depth(unpackUint2x32(slot.key))));
-    return slot.key;
-}
-
-float rank_depth(uint64_t rank)
-{
-    return KEY_IDS ? float(uint(rank >> 32)) : slot_depth(unpackUint2x32(rank));
+    return MIXED && (rank.low & SLOT_OPAQUE) != 0;
 }
 
 // present: false for a slot that holds nothing.
+Rank slot_rank(Slot slot, bool present)
+{
+    float depth = PACKED ? float(key_depth(slot.key)) : depth_ordered(slot.key.y);
+    return Rank(present ? depth : NEVER, slot_word(slot));
+}
+
+void rank_min(inout Rank least, Rank rank)
+{
+    float depth = min(least.depth, rank.depth);
+    uint low = least.depth == depth ? least.low : ~0u, other = rank.depth == depth ? rank.low : ~0u;
+    least = Rank(depth, min(low, other));
+}
+
 Term slot_term(Slot slot, bool present, uvec2 p)
 {
     Term t;
-    uvec2 key = unpackUint2x32(slot.key);
-    float rho2 = key_rho2(key);
-    vec3 n = key_normal(key);
-    t.rank = slot_rank(slot);
-    t.depth = slot_depth(key);
-    t.word = slot_word(slot);
-    t.encoded = key.x & 0xfffffff;
-    uint id = slot_id(t.word), known = present ? id : 0;
+    float rho2 = key_rho2(slot.key);
+    vec3 n = key_normal(slot.key);
+    t.rank = slot_rank(slot, present);
+    t.encoded = slot.key.x & 0xfffffff;
+    uint id = rank_id(t.rank), known = present ? id : 0;
     if (!PACKED && present) {
         Splat splat;
         Fragment f = fragment_again(id, p, splat);
@@ -116,19 +127,22 @@ Term slot_term(Slot slot, bool present, uvec2 p)
     return t;
 }
 
-// Adds the term where it counts. near and epsilon are in the units of slot_depth.
-void sums_take(inout Sums s, bool counts, Term t, float near, float epsilon, uint near_id)
+// Adds the term where it counts. near: the nearest of those that do; part: 1 over its epsilon.
+void sums_take(inout Sums s, bool counts, Term t, Rank near, float part)
 {
-    s.weight += counts ? t.weight : 0;
-    s.normal += counts ? t.normal : ivec3(0);
-    s.depth += counts ? int(round((t.depth - near) / epsilon * float(t.weight))) : 0;
+    int depth = int(round((t.rank.depth - near.depth) * part * float(t.weight)));
+    int kept = counts ? -1 : 0; // selections would become branches
+    s.weight += t.weight & kept;
+    s.normal += t.normal & ivec3(kept);
+    s.depth += depth & kept;
     if (HAS_COLOR)
         s.albedo += counts ? t.albedo : i64vec3(0);
     if (OPACITY == 2)
         s.alpha += counts ? t.alpha : 0l;
-    s.fragments += counts ? 1 : 0;
-    if ((KEY_IDS || !PACKED) && counts && slot_id(t.word) == near_id)
-        s.near_encoded = t.encoded;
+    if ((AOVS & 2) != 0)
+        s.fragments -= kept;
+    if (KEY_IDS || !PACKED)
+        s.near_encoded = t.rank.low == near.low ? t.encoded : s.near_encoded;
 }
 
 // Their opacity; where the weights vanish, that of the nearest.
@@ -139,27 +153,27 @@ float sums_alpha(Sums sums, uint near_id)
     return float(sums.alpha) / (float(sums.weight) * (ALPHA_UNIT / UNIT));
 }
 
-// best: the rank of the nearest; epsilon in the units of slot_depth.
-Surface sums_surface(Sums sums, uint64_t best, float epsilon)
+// epsilon: in the units of depths.
+Surface sums_surface(Sums sums, Rank near, float epsilon)
 {
     Surface s;
-    float weight = float(sums.weight), near = rank_depth(best);
-    s.id = slot_id(uint(best));
+    float weight = float(sums.weight);
+    s.id = rank_id(near);
     s.fragments = sums.fragments;
     s.weight = weight / UNIT;
     s.normal = vec3(sums.normal) / UNIT;
-    s.near_normal = normal_decode(PACKED && !KEY_IDS ? uint(best) & 0xfffffff : sums.near_encoded);
-    s.near_depth = PACKED ? depth_restore(uint(near)) : near;
+    s.near_normal = normal_decode(PACKED && !KEY_IDS ? near.low & 0xfffffff : sums.near_encoded);
+    s.near_depth = PACKED ? depth_restore(uint(near.depth)) : near.depth;
     float unit = PACKED ? frame.depth_scale : 1.0;
     s.depth = s.near_depth + float(sums.depth) / weight * (epsilon / unit);
     s.albedo = vec3(sums.albedo) / (COLOR_UNIT * frame.color_scale);
     return s;
 }
 
-// In the units of slot_depth.
-float slots_epsilon(uint64_t best)
+// Of the layer that starts there, in the units of depths.
+float rank_epsilon(Rank near)
 {
-    return object_epsilon(slot_id(uint(best))) * (PACKED ? frame.depth_scale : 1.0);
+    return object_epsilon(rank_id(near)) * (PACKED ? frame.depth_scale : 1.0);
 }
 
 // The pixel has more fragments than slots: exact_arm then sends the repair passes, and

@@ -15,11 +15,15 @@
 #include "lib/axis.glsl"
 #include "lib/axis_output.glsl"
 #include "lib/ellipsoid.glsl"
+#include "lib/gaussian.glsl"
 layout(local_size_x = STP_GROUP) in;
 
 const uint COLUMNS = STP_BLOCK, ROWS = STP_AXIS_ROWS;
 const uint TURN = 8;                // entries a turn of the loop
-const float DARK = 1.0 / (1 << 20); // of a picture's whole: what less light adds is below rounding
+// Of a picture's whole: what less light adds is left out. In sorted order that is below rounding;
+// orders along axes are off by far more than 2^-13 (docs/results/axis.md).
+const float DARK = 1.0 / (1 << 20), DIM = 1.0 / (1 << 13);
+const uint SORTED = STP_AXIS_MERGE_BLEND + 3; // frame.axis.merge counts on as enum stp_axis_merge does
 const float NOTHING = -1.0 / 0.0;   // log2 of no optical depth
 
 struct Sums {
@@ -31,23 +35,37 @@ struct Splat {
     vec4 place; // centre, log2 of tau; of an ellipsoid tau
     vec3 color;
     vec3 r, s; // of an ellipsoid, its factor
+    GaussianWords words; // of a surface's
 };
 
 Splat fetch(uint entry, bool known)
 {
     uint id = frame.order.v[entry];
-    if (ELLIPSOIDS) {
-        vec3 color;
-        Ellipsoid e = ellipsoid_load(id, color);
-        return Splat(vec4(e.centre, known ? e.tau : 0), color, e.r, e.s);
+    Splat s;
+    if (DISCS) {
+        s.words = gaussian_words(id);
+        s.words.head.y = known ? s.words.head.y : 0;
+        s.color = gaussian_color(s.words);
+        return s;
     }
-    Splat s = Splat(frame.projected.v[2 * id], frame.projected.v[2 * id + 1].xyz, vec3(0), vec3(0));
+    if (ELLIPSOIDS) {
+        Ellipsoid e = ellipsoid_load(id, s.color);
+        s.place = vec4(e.centre, known ? e.tau : 0);
+        s.r = e.r;
+        s.s = e.s;
+        return s;
+    }
+    s.place = frame.projected.v[2 * id];
+    s.color = frame.projected.v[2 * id + 1].xyz;
     s.place.w = known ? s.place.w : NOTHING;
     return s;
 }
 
+// ray.d is the pixel itself where DISCS.
 float alpha_of(Splat s, Ray ray, out float depth)
 {
+    if (DISCS)
+        return gaussian_alpha(s.words, ray.d, depth);
     if (ELLIPSOIDS)
         return ellipsoid_alpha(Ellipsoid(s.place.xyz, s.place.w, s.r, s.s, vec3(0)), ray.d, depth);
     return axis_alpha(ray, s.place.xyz, s.place.w, depth);
@@ -56,6 +74,18 @@ float alpha_of(Splat s, Ray ray, out float depth)
 #ifdef GROUPED
 Splat from_lane(Splat s, uint lane)
 {
+    if (DISCS) {
+        s.words.head = subgroupBroadcast(s.words.head, lane);
+        s.words.s = subgroupBroadcast(s.words.s, lane);
+        s.words.t = subgroupBroadcast(s.words.t, lane);
+        s.words.v = subgroupBroadcast(s.words.v, lane);
+        if (PHONG == 2) {
+            s.words.clip[0] = subgroupBroadcast(s.words.clip[0], lane);
+            s.words.clip[1] = subgroupBroadcast(s.words.clip[1], lane);
+        }
+        s.color = gaussian_color(s.words);
+        return s;
+    }
     s.place = subgroupBroadcast(s.place, lane);
     s.color = subgroupBroadcast(s.color, lane);
     if (ELLIPSOIDS) {
@@ -82,6 +112,7 @@ void take(uint end, uint count, const Ray ray[STP_AXIS_ROWS], const float dark[S
 {
     uint lane = gl_LocalInvocationIndex % COLUMNS;
     bool still = true;
+    float left[STP_AXIS_ROWS] = float[](0, 0, 0, 0); // light of pixels that are dark
     for (uint n = 0; n < count && anyone(still); n += TURN) {
 #ifdef GROUPED
         Splat mine = fetch(max(end, n + lane + 1) - n - lane - 1, n + lane < count);
@@ -96,13 +127,19 @@ void take(uint end, uint count, const Ray ray[STP_AXIS_ROWS], const float dark[S
                 float depth;
                 float w = sums.color[i].w * alpha_of(s, ray[i], depth);
                 sums.color[i] += vec4(w * s.color, -w);
-                sums.depth[i] += w * depth;
+                sums.depth[i] += DISCS && w == 0 ? 0 : w * depth; // a plane may be met nowhere
             }
         }
-        still = false;
-        [[unroll]] for (uint i = 0; i < ROWS; i++)
-            still = still || sums.color[i].w > dark[i];
+        still = false; // a pixel that is dark stays as it is, whatever its neighbours need
+        [[unroll]] for (uint i = 0; i < ROWS; i++) {
+            bool lit = sums.color[i].w > dark[i];
+            left[i] += lit ? 0 : sums.color[i].w;
+            sums.color[i].w = lit ? sums.color[i].w : 0;
+            still = still || lit;
+        }
     }
+    [[unroll]] for (uint i = 0; i < ROWS; i++)
+        sums.color[i].w += left[i];
 }
 
 // The list of a walk: its end and length.
@@ -160,7 +197,7 @@ void walk(uvec2 p, const Ray ray[STP_AXIS_ROWS])
         [[unroll]] for (uint i = 0; i < ROWS; i++) {
             float w = axis_weight(frame.axis.walk[n], v[i]);
             share[i] = total[i] > 0 ? w * w / total[i] : 0;
-            dark[i] = share[i] > 0 ? DARK / share[i] : 2;
+            dark[i] = share[i] > 0 ? (frame.axis.merge == SORTED ? DARK : DIM) / share[i] : 2;
             sums.color[i] = vec4(0, 0, 0, 1);
             sums.depth[i] = 0;
         }
@@ -185,7 +222,12 @@ void main()
         return;
     uvec2 p = uvec2(block % frame.blocks_x * COLUMNS + column, block / frame.blocks_x * ROWS);
     Ray ray[STP_AXIS_ROWS];
-    [[unroll]] for (uint i = 0; i < ROWS; i++)
-        ray[i] = axis_ray(vec2(p.x, p.y + i) + 0.5 + vec2(frame.tile_x, frame.tile_y));
+    [[unroll]] for (uint i = 0; i < ROWS; i++) {
+        vec2 pixel = vec2(p.x, p.y + i) + vec2(frame.tile_x, frame.tile_y);
+        if (DISCS)
+            ray[i].d = pixel;
+        else
+            ray[i] = axis_ray(pixel + 0.5);
+    }
     walk(p, ray);
 }

@@ -15,7 +15,7 @@ void main()
         return;
     uint at = p.y * frame.tile_width + p.x;
     vec4 background = background_at(vec2(p + uvec2(frame.tile_x, frame.tile_y)) + 0.5);
-    if (SAMPLE_GRID > 1 || OPACITY != 0)
+    if (SAMPLE_GRID > 1 || OPACITY != 0 || DISCS)
         frame.out_color.v[at] += (1 - frame.out_color.v[at].w) * background;
     else if (isinf(frame.out_depth.v[at]))
         frame.out_color.v[at] = background;

@@ -7,6 +7,7 @@
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
 #include "lib/resolve.glsl"
+#define MATERIAL_KEPT
 #include "lib/shade.glsl"
 #include "lib/slots.glsl"
 #include "lib/layers.glsl"
@@ -17,28 +18,46 @@ const uint KEPT = 16;
 // What a sweep looks for: the layer, and the start of the next.
 struct Sweep {
     bool solid; // the layer is opaque, and ends the ray
-    uint64_t best, next;
-    float near, epsilon, wall; // wall: depth of the nearest opaque fragment
-    uint id;
+    Rank near, next;
+    float end, part; // of the layer; 1 over its epsilon
+    float wall;      // depth of the nearest opaque fragment
     Sums sums;
 };
 
-void sweep_term(inout Sweep s, Term t, bool present)
+void sweep_term(inout Sweep s, Term t)
 {
-    bool ours = present && t.depth >= s.near;
-    if (MIXED)
-        ours = ours && word_opaque(t.word) == s.solid && (s.solid || t.depth < s.wall);
-    bool counts = ours && t.depth <= s.near + s.epsilon;
-    s.next = ours && !counts ? min(s.next, t.rank) : s.next;
-    sums_take(s.sums, counts, t, s.near, s.epsilon, s.id);
+    float depth = t.rank.depth;
+    bool counts = clamp(depth, s.near.depth, s.end) == depth, later = depth > s.end;
+    if (MIXED) {
+        bool ours = rank_opaque(t.rank) == s.solid && (s.solid || depth < s.wall);
+        counts = counts && ours;
+        later = later && ours;
+    }
+    rank_min(s.next, Rank(later ? depth : NEVER, t.rank.low));
+    sums_take(s.sums, counts, t, s.near, s.part);
 }
 
-void find_first(inout uint64_t next, inout uint64_t wall, uint64_t rank, uint word)
+void find_first(inout Rank next, inout Rank wall, Rank rank)
 {
-    bool opaque = rank != ~0ul && word_opaque(word);
-    next = opaque ? next : min(next, rank);
+    bool opaque = rank_opaque(rank);
+    rank_min(next, Rank(opaque ? NEVER : rank.depth, rank.low));
     if (MIXED)
-        wall = opaque ? min(wall, rank) : wall;
+        rank_min(wall, Rank(opaque ? rank.depth : NEVER, rank.low));
+}
+
+// The nearest of what is left, transparent or opaque.
+Sweep sweep_start(Rank next, Rank wall, out float epsilon)
+{
+    Sweep s;
+    s.wall = wall.depth;
+    s.solid = MIXED && next.depth >= wall.depth;
+    s.near = s.solid ? wall : next;
+    s.next = RANK_NONE;
+    epsilon = rank_epsilon(s.near);
+    s.end = s.near.depth + epsilon;
+    s.part = 1 / epsilon;
+    s.sums = SUMS_NONE;
+    return s;
 }
 
 void main()
@@ -50,35 +69,28 @@ void main()
     uint count = frame.counts.v[pixel];
     if (slots_overflowed(pixel, count))
         return;
+    material_keep();
     Term kept[KEPT];
-    uint64_t next = ~0ul, wall = ~0ul;
+    Rank next = RANK_NONE, wall = RANK_NONE;
     [[unroll]] for (uint i = 0; i < KEPT; i++) {
         kept[i] = slot_term(slot_read(pixel, i, i < count), i < count, p);
-        find_first(next, wall, kept[i].rank, kept[i].word);
+        find_first(next, wall, kept[i].rank);
     }
-    for (uint i = KEPT; i < count; i++) {
-        Slot slot = slot_read(pixel, i, true);
-        find_first(next, wall, slot_rank(slot), slot_word(slot));
-    }
+    for (uint i = KEPT; i < count; i++)
+        find_first(next, wall, slot_rank(slot_read(pixel, i, true), true));
     Ray ray = RAY_START;
-    while (next != ~0ul || wall != ~0ul) {
-        Sweep s;
-        s.wall = MIXED && wall != ~0ul ? rank_depth(wall) : 1.0 / 0.0;
-        s.solid = MIXED && (next == ~0ul || rank_depth(next) >= s.wall);
-        s.best = s.solid ? wall : next;
-        s.next = ~0ul;
-        s.near = rank_depth(s.best);
-        s.epsilon = slots_epsilon(s.best);
-        s.id = slot_id(uint(s.best));
-        s.sums = SUMS_NONE;
+    while (next.depth < NEVER || wall.depth < NEVER) {
+        float epsilon;
+        Sweep s = sweep_start(next, wall, epsilon);
         [[unroll]] for (uint i = 0; i < KEPT; i++)
-            sweep_term(s, kept[i], i < count);
+            sweep_term(s, kept[i]);
         for (uint i = KEPT; i < count; i++)
-            sweep_term(s, slot_term(slot_read(pixel, i, true), true, p), true);
-        float alpha = OPACITY == 1 ? frame.opacity : sums_alpha(s.sums, s.id);
-        ray_layer(ray, p, sums_surface(s.sums, s.best, s.epsilon), s.solid ? 1 : alpha);
-        next = s.solid ? ~0ul : s.next;
-        wall = s.solid ? ~0ul : wall;
+            sweep_term(s, slot_term(slot_read(pixel, i, true), true, p));
+        float alpha = OPACITY == 1 ? frame.opacity : sums_alpha(s.sums, rank_id(s.near));
+        ray_layer(ray, p, sums_surface(s.sums, s.near, epsilon), s.solid ? 1 : alpha);
+        next.depth = s.solid ? NEVER : s.next.depth;
+        next.low = s.next.low;
+        wall.depth = s.solid ? NEVER : wall.depth;
     }
     ray_write(ray, p);
     ray_deep(ray, p, true);

@@ -12,10 +12,11 @@
 // The first slots are read once and kept in registers.
 const uint KEPT = 8;
 
-void take(inout Sums sums, Slot slot, bool present, float near, float epsilon, uint id, uvec2 p)
+void take(inout Sums sums, Slot slot, bool present, Rank near, float epsilon, uvec2 p)
 {
     Term term = slot_term(slot, present, p);
-    sums_take(sums, present && term.depth <= near + epsilon, term, near, epsilon, id);
+    bool counts = term.rank.depth <= near.depth + epsilon && present;
+    sums_take(sums, counts, term, near, 1 / epsilon);
 }
 
 void main()
@@ -28,20 +29,19 @@ void main()
     if (slots_overflowed(pixel, count))
         return;
     Slot kept[KEPT];
-    uint64_t best = ~0ul;
+    Rank near = RANK_NONE;
     [[unroll]] for (uint i = 0; i < KEPT; i++) {
         kept[i] = slot_read(pixel, i, i < count);
-        best = min(best, slot_rank(kept[i]));
+        rank_min(near, slot_rank(kept[i], i < count));
     }
     for (uint i = KEPT; i < count; i++)
-        best = min(best, slot_rank(slot_read(pixel, i, true)));
+        rank_min(near, slot_rank(slot_read(pixel, i, true), true));
     bool hit = count > 0;
-    float near = rank_depth(best), epsilon = hit ? slots_epsilon(best) : 0;
-    uint id = slot_id(uint(best));
+    float epsilon = hit ? rank_epsilon(near) : 0;
     Sums sums = SUMS_NONE;
     [[unroll]] for (uint i = 0; i < KEPT; i++)
-        take(sums, kept[i], i < count, near, epsilon, id, p);
+        take(sums, kept[i], i < count, near, epsilon, p);
     for (uint i = KEPT; i < count; i++)
-        take(sums, slot_read(pixel, i, true), true, near, epsilon, id, p);
-    surface_write(p, hit, sums_surface(sums, best, epsilon));
+        take(sums, slot_read(pixel, i, true), true, near, epsilon, p);
+    surface_write(p, hit, sums_surface(sums, near, epsilon));
 }

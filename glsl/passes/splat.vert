@@ -17,8 +17,9 @@
 #endif
 
 // An equilateral triangle of inradius 1 reaches 2. Vertices are snapped to 1/256 of a pixel: where
-// the disc is thinner than some of those on the screen, it gets that much more room.
-const float WIDE = 2.1, SNAP = 0.008, WIDEST = 6;
+// the disc is thinner than some of those on the screen, it gets that much more room; and so does a
+// needle, for clipping rounds a vertex by 2^-24 of its length and more, which is many of its widths.
+const float WIDE = 2.1, SNAP = 0.008, NEEDLE = 1e-6, WIDEST = 6;
 
 vec4 to_clip(vec2 pixel, float z, float w)
 {
@@ -33,15 +34,17 @@ vec4 disc_vertex(Splat s, vec2 turn)
 #ifdef WITH_PHONG
     vec3 along = s.phong.radius.x * s.phong.u, beside = s.phong.radius.y * s.phong.v;
     float least = min(s.phong.radius.x, s.phong.radius.y);
+    float needle = NEEDLE * max(s.phong.radius.x, s.phong.radius.y) / least;
 #else
     vec3 e = normalize(abs(n.x) < 0.7 ? vec3(0, n.z, -n.y) : vec3(-n.z, 0, n.x));
     vec3 along = s.radius * e, beside = s.radius * cross(n, e);
     float least = s.radius;
+    const float needle = 0;
 #endif
     vec2 focal = vec2(frame.focal[0], frame.focal[1]), c = vec2(frame.center[0], frame.center[1]);
     float facing = ORTHOGRAPHIC ? abs(n.z) : abs(dot(n, s.center)) / dot(s.center, s.center);
     float thin = least * min(focal.x, focal.y) * facing;
-    float wide = min(WIDE + SNAP / thin, WIDEST);
+    float wide = min(WIDE + SNAP / thin + needle, WIDEST);
     vec3 p = s.center + wide * (turn.x * along + turn.y * beside);
     if (ORTHOGRAPHIC)
         return to_clip(c + focal * p.xy, 0.5, 1);

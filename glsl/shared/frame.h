@@ -70,8 +70,12 @@
 #define STP_AXIS_MERGE_CLIP    1
 #define STP_ELLIPSOID          5 /* vectors of one: centre, tau; colour; then its axes */
 #define STP_ELLIPSOID_DRAWN    4 /* in the camera frame: centre, tau; colour; then its factor */
+#define STP_GAUSSIAN           4 /* of a surface's splat on the screen: lib/gaussian.glsl */
+#define STP_GAUSSIAN_CLIPPED   6 /* with its clip lines */
 #define STP_BINDING_AXIS_COLOR 10
 #define STP_BINDING_AXIS_DEPTH 11
+#define STP_BINDING_SLOTS      12
+#define STP_BINDING_SLOT_IDS   13
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
 #define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
 #define STP_DEEP_FLOATS        5
@@ -168,7 +172,8 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, counts);    /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);   /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
-    STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour */
+    STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour; or
+                                        STP_ELLIPSOID_DRAWN, STP_GAUSSIAN */
     STP_ADDRESS(Vec4Ref, axis_sums); /* axis, in parts: 2 a pixel and walk */
     STP_ADDRESS(UintRef,
                 host_words);      /* the host's depth as it was copied, rows of what was copied */

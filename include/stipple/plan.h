@@ -16,7 +16,7 @@ enum stp_method {
     STP_METHOD_EXACT,     /* every fragment kept in one geometry pass, resolved exactly */
     STP_METHOD_REFERENCE, /* float64 on the CPU */
     STP_METHOD_PYRAMID,   /* MKC: one pixel a point, then pull and push */
-    STP_METHOD_AXIS,      /* HM: volumes by sorted axis lists, merged a pixel */
+    STP_METHOD_AXIS, /* HM: volumes, range images and surfaces' Gaussians by sorted axis lists */
 };
 /* How the layers of a transparent scene are composited; a scene that is opaque ignores it. */
 enum stp_transparency {
@@ -38,8 +38,9 @@ enum stp_axis_merge {
         0,          /* of method axis: blend; of method auto: sort, but blend where an h is given */
     STP_AXIS_BLEND, /* those that are nearly dominant on its ray, by Eq. 1 */
     STP_AXIS_CLIP,  /* the one of its ray's dominant axis */
-    STP_AXIS_SINGLE, /* Westover: one for the picture, of the view's axis */
-    STP_AXIS_SORT,   /* one, sorted by distance from the eye */
+    STP_AXIS_SINGLE,    /* Westover: one for the picture, of the view's axis */
+    STP_AXIS_SORT,      /* one, sorted by distance from the eye */
+    STP_AXIS_REFERENCE, /* every ray's own order, float64 on the CPU */
 };
 enum stp_path { STP_PATH_AUTO = 0, STP_PATH_RASTER, STP_PATH_COMPUTE };
 enum stp_payload { STP_PAYLOAD_AUTO = 0, STP_PAYLOAD_ID, STP_PAYLOAD_PACKED };
@@ -85,6 +86,7 @@ enum stp_feature {
     STP_FEATURE_SHARED_MEMORY = 64,   /* device memory that the host may write: nothing is staged */
     STP_FEATURE_INDEPENDENT_BLEND = 128, /* independentBlend: transparency fast and nearest */
     STP_FEATURE_SUBGROUP_8 = 256,        /* subgroups of 8, with votes and broadcasts: axis lists */
+    STP_FEATURE_TEXEL_BUFFERS = 512,     /* of 2^27 texels: exact reads its slots through them */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);

@@ -4,6 +4,7 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "plan/plan.h"
 #include "plan/profile.h"
 
 static void lack(struct stp_device_info *info, bool present, bool required, const char *name)
@@ -109,6 +110,8 @@ bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice dev
     survey_memory(instance, device, l);
     if (has_subgroups_of_8(&v11))
         l->features |= STP_FEATURE_SUBGROUP_8;
+    if (p.properties.limits.maxTexelBufferElements >= PLAN_MOST_TEXELS)
+        l->features |= STP_FEATURE_TEXEL_BUFFERS;
     return info->usable;
 }
 

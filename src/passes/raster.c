@@ -4,6 +4,7 @@ VkFormat pass_format(enum plan_format format)
 {
     switch (format) {
     case PLAN_RG32UI:
+    case PLAN_TEXELS_RG32UI:
         return VK_FORMAT_R32G32_UINT;
     case PLAN_RG32F:
         return VK_FORMAT_R32G32_SFLOAT;
@@ -16,6 +17,8 @@ VkFormat pass_format(enum plan_format format)
         return VK_FORMAT_R32G32B32A32_UINT;
     case PLAN_TEXELS_R32F:
         return VK_FORMAT_R32_SFLOAT;
+    case PLAN_TEXELS_R32UI:
+        return VK_FORMAT_R32_UINT;
     case PLAN_BUFFER:
         break;
     }
@@ -24,7 +27,8 @@ VkFormat pass_format(enum plan_format format)
 
 bool pass_is_texels(enum plan_format format)
 {
-    return format == PLAN_TEXELS_RGBA32UI || format == PLAN_TEXELS_R32F;
+    return format == PLAN_TEXELS_RGBA32UI || format == PLAN_TEXELS_R32F ||
+           format == PLAN_TEXELS_RG32UI || format == PLAN_TEXELS_R32UI;
 }
 
 bool pass_is_image(enum plan_format format)

@@ -37,16 +37,18 @@ static void set_shape(struct stp_plan *plan, const struct volume *volume)
     axis->scale = (float)(kernel_amplitude() * sqrt(2 * M_PI));
 }
 
-/* Does near or far cut an ellipsoid that is drawn? Its tails beyond the reach count too, as below.
- */
+/* Does near or far cut an ellipsoid or a disc that is drawn? An ellipsoid's tails beyond the reach
+ * count too, as below. */
 static bool is_any_cut(const struct stp_plan *plan, const struct stp_scene *scene)
 {
     struct axis_view view = axis_view(scene, &plan->camera);
+    bool discs = view.shape == AXIS_DISCS;
     for (size_t i = 0; i < plan->axis.count; i++) {
         struct axis_kernel kernel;
-        axis_kernel(&view, plan->axis.order[i], &kernel);
+        if (!axis_kernel(&view, plan->axis.order[i], &kernel))
+            continue;
         double depth = -m4_point(plan->camera.world_to_camera, v3_load(kernel.centre)).z;
-        double half = 1.5 * kernel.own.half[2];
+        double half = discs ? scene->splats.radius[plan->axis.order[i]] : 1.5 * kernel.own.half[2];
         if (depth - half < plan->camera.near_depth || depth + half > plan->camera.far_depth)
             return true;
     }
@@ -57,7 +59,7 @@ static bool is_any_cut(const struct stp_plan *plan, const struct stp_scene *scen
 static bool is_cut(const struct stp_plan *plan, const struct stp_scene *scene)
 {
     const double *b = scene->core;
-    if (volume_is_range(scene->volume))
+    if (axis_shape(scene) != AXIS_VOXELS)
         return is_any_cut(plan, scene);
     double low = INFINITY, high = -INFINITY;
     for (int i = 0; i < 8; i++) {
@@ -103,13 +105,15 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
     double h = plan->params.axis_h == 0 ? DEFAULT_H : fmax(plan->params.axis_h, 0);
     if (!(h < 1))
         return log_error(env, STP_ERROR_ARGUMENT, "axis h %g: it must be below 1", h);
-    enum stp_result result =
-        axis_lists_build(env, scene, &plan->camera, plan->params.axis_merge, h, &plan->axis);
+    plan->axis = (struct axis_lists){ .merge = plan->params.axis_merge, .h = h };
+    plan->axis.look =
+        (struct axis_look){ plan->params.cull == STP_CULL_BACK, (double)plan->frame.floor_size };
+    enum stp_result result = axis_lists_update(env, scene, &plan->camera, &plan->axis);
     if (result != STP_OK)
         return result;
     struct stp_axis_gpu *axis = &plan->frame.axis;
-    bool ellipsoids = volume_is_range(scene->volume);
-    if (!ellipsoids)
+    enum axis_shape shape = axis_shape(scene);
+    if (shape == AXIS_VOXELS)
         set_shape(plan, scene->volume);
     axis->reach2 = (float)(KERNEL_REACH * KERNEL_REACH);
     axis->least_exponent = (float)(-0.5 * KERNEL_REACH * KERNEL_REACH / M_LN2);
@@ -120,8 +124,8 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
         axis->walk[i] = plan->axis.walk[i].axis | (plan->axis.walk[i].backwards ? 4u : 0u);
     plan->constant[PLAN_AXIS_WALKS] = plan->axis.walk_count;
     plan->constant[PLAN_AXIS_CUT] = is_cut(plan, scene);
-    plan->constant[PLAN_UNLIT] = scene->volume->unshaded;
-    plan->constant[PLAN_ELLIPSOIDS] = ellipsoids;
+    plan->constant[PLAN_UNLIT] = scene->volume && scene->volume->unshaded;
+    plan->constant[PLAN_AXIS_SHAPE] = shape;
     return plan->path == STP_PATH_COMPUTE && plan->axis.count ? prepare_blocks(env, plan) : STP_OK;
 }
 
@@ -139,8 +143,9 @@ static void draw_walk(struct stp_plan *plan, unsigned index)
     char name[40];
     name_walk(plan, index, name, sizeof name);
     struct plan_pass *pass = plan_pass(plan, PLAN_DRAW, name);
-    pass->vertex = PLAN_SHADER_AXIS_VERTEX;
-    pass->shader = PLAN_SHADER_AXIS_FRAGMENT;
+    bool discs = plan->constant[PLAN_AXIS_SHAPE] == AXIS_DISCS;
+    pass->vertex = discs ? PLAN_SHADER_AXIS_SURFACE_VERTEX : PLAN_SHADER_AXIS_VERTEX;
+    pass->shader = discs ? PLAN_SHADER_AXIS_SURFACE_FRAGMENT : PLAN_SHADER_AXIS_FRAGMENT;
     pass->raster = PLAN_RASTER_OVER;
     pass->layer = index;
     pass->layer_count = 1;
@@ -181,8 +186,13 @@ static void block_walk(struct stp_plan *plan, unsigned index)
 static void project(struct stp_plan *plan)
 {
     uint64_t kernels = plan->facts.splats;
+    bool ellipsoids = plan->constant[PLAN_AXIS_SHAPE] == AXIS_ELLIPSOIDS;
+    if (plan->constant[PLAN_AXIS_SHAPE] == AXIS_DISCS) {
+        plan_axis_surface_project(plan);
+        return;
+    }
     plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT,
-                  kernels * (plan->constant[PLAN_ELLIPSOIDS] ? STP_ELLIPSOID_DRAWN : 2) * 16);
+                  kernels * (ellipsoids ? STP_ELLIPSOID_DRAWN : 2) * 16);
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "project");
     pass->shader = PLAN_SHADER_AXIS_PROJECT;
     pass->groups = (uint32_t)((kernels + STP_GROUP - 1) / STP_GROUP);
@@ -238,14 +248,18 @@ void plan_axis_resources(struct stp_plan *plan)
 {
     const struct axis_blocks *blocks = &plan->axis_blocks;
     size_t lists = plan->axis.walk_count * (size_t)blocks->across * blocks->down;
-    bool ellipsoids = plan->constant[PLAN_ELLIPSOIDS];
-    if (!ellipsoids) /* which show their colours as they are */
+    bool discs = plan->constant[PLAN_AXIS_SHAPE] == AXIS_DISCS;
+    bool ellipsoids = plan->constant[PLAN_AXIS_SHAPE] == AXIS_ELLIPSOIDS;
+    if (!ellipsoids && !discs) /* ellipsoids show their colours as they are */
         plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                       sizeof(struct stp_material_gpu));
     if (!plan->axis.count)
         return;
-    plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE,
-                  plan->facts.splats * (ellipsoids ? STP_ELLIPSOID : 2) * 16);
+    if (discs)
+        plan_surface_resources(plan);
+    else
+        plan_resource(plan, "kernels", PLAN_SPLATS, PLAN_SCENE,
+                      plan->facts.splats * (ellipsoids ? STP_ELLIPSOID : 2) * 16);
     if (plan->path == STP_PATH_COMPUTE)
         plan_resource(plan, "block starts", PLAN_COUNTS, PLAN_SCENE, (lists + 1) * 4);
     plan_resource(plan, plan->path == STP_PATH_COMPUTE ? "block splats" : "lists", PLAN_ORDER,

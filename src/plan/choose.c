@@ -21,6 +21,10 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
     enum stp_transparency transparency = plan_resolve_transparency(facts, params, limits);
     if (transparency != STP_TRANSPARENCY_AUTO)
         return plan_transparency_method(transparency);
+    bool lists = params->method == STP_METHOD_AUTO ? plan_of_medium(facts)
+                                                   : params->method == STP_METHOD_AXIS;
+    if (lists && params->axis_merge == STP_AXIS_REFERENCE)
+        return STP_METHOD_REFERENCE;
     if (params->method != STP_METHOD_AUTO)
         return params->method;
     if (params->shade != STP_SHADE_PIXEL)
@@ -285,7 +289,9 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     if (result != STP_OK)
         return result;
     plan->method = resolve_method(&plan->facts, &plan->params, &plan->limits);
-    result = plan_check_shade(env, plan);
+    result = plan_check_axis_surface(env, plan);
+    if (result == STP_OK)
+        result = plan_check_shade(env, plan);
     if (result == STP_OK)
         result = plan_light_cube(env, plan);
     if (result != STP_OK)
@@ -295,10 +301,9 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         return STP_OK;
     }
     bool volume = plan_of_medium(&plan->facts);
-    if (volume != (plan->method == STP_METHOD_AXIS))
+    if (volume && plan->method != STP_METHOD_AXIS)
         return log_error(env, STP_ERROR_ARGUMENT,
-                         !volume ? "method %s draws volumes; points take exact or another"
-                         : plan->facts.range.frames
+                         plan->facts.range.frames
                              ? "method %s draws discs; range images take axis or reference, or "
                                "--range-splats discs"
                              : "method %s draws surfaces; a volume takes axis or reference",

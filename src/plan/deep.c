@@ -8,6 +8,8 @@ static const char *why_not(const struct stp_plan *plan)
 {
     if (plan_of_medium(&plan->facts))
         return "volumes and ellipsoids of range images have no layers";
+    if (plan_axis_asked(plan))
+        return "method axis composites splats one by one, not layers; use exact";
     if (plan_samples(plan) > 1)
         return "several samples of a pixel have no common layers; leave samples at 1";
     if (plan->transparency == STP_TRANSPARENCY_AUTO)

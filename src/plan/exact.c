@@ -92,10 +92,15 @@ static void mend(struct stp_plan *plan)
 void plan_exact(struct stp_plan *plan)
 {
     uint64_t pixels = plan_pixels(plan);
-    plan_resource(plan, "slots", PLAN_KEYS, PLAN_TRANSIENT, pixels * STP_SLOTS * 8);
+    bool fetched = (plan->limits.features & STP_FEATURE_TEXEL_BUFFERS) != 0;
+    uint8_t slots = plan_resource(plan, "slots", PLAN_KEYS, PLAN_TRANSIENT, pixels * STP_SLOTS * 8);
+    plan->resource[slots].format = fetched ? PLAN_TEXELS_RG32UI : PLAN_BUFFER;
     plan_resource(plan, "counts", PLAN_COUNTS, PLAN_TRANSIENT, pixels * 4);
-    if (plan->constant[PLAN_KEY_IDS])
-        plan_resource(plan, "slot ids", PLAN_SLOT_IDS, PLAN_TRANSIENT, pixels * STP_SLOTS * 4);
+    if (plan->constant[PLAN_KEY_IDS]) {
+        slots =
+            plan_resource(plan, "slot ids", PLAN_SLOT_IDS, PLAN_TRANSIENT, pixels * STP_SLOTS * 4);
+        plan->resource[slots].format = fetched ? PLAN_TEXELS_R32UI : PLAN_BUFFER;
+    }
     plan_fill(plan, PLAN_COUNTS, 0, "clear counts");
     plan_deep_begin(plan);
     const enum plan_slot touched[] = { PLAN_KEYS, PLAN_SLOT_IDS, PLAN_COUNTS, PLAN_SLOTS };
@@ -103,12 +108,12 @@ void plan_exact(struct stp_plan *plan)
                touched);
     plan_blocks(plan);
     if (plan->transparency == STP_TRANSPARENCY_EXACT) {
-        plan_resolve(plan, "layers", PLAN_SHADER_EXACT_LAYERS, false, touched);
+        plan_resolve(plan, "layers", PLAN_SHADER_EXACT_LAYERS + fetched, false, touched);
         plan_deep_write(plan);
         mend(plan);
         return;
     }
-    plan_resolve(plan, "resolve", PLAN_SHADER_EXACT_RESOLVE, false, touched);
+    plan_resolve(plan, "resolve", PLAN_SHADER_EXACT_RESOLVE + fetched, false, touched);
     repair(plan);
 }
 

@@ -53,7 +53,7 @@ enum plan_constant {
     PLAN_PHONG,      /* 0: all are discs; 1: ellipses; 2: some have clip lines */
     PLAN_SHADE,      /* enum stp_shade */
     PLAN_LIGHT_CUBE,
-    PLAN_ELLIPSOIDS,    /* axis: every kernel has its own shape, and together they are a surface */
+    PLAN_AXIS_SHAPE,    /* enum axis_shape */
     PLAN_CULL_CLUSTERS, /* pyramid: points are culled by STP_CLUSTER before they are projected */
     PLAN_CONSTANTS
 };
@@ -116,6 +116,8 @@ enum plan_slot {
     PLAN_TEXEL_RADII,
     PLAN_IMAGE_AXIS_COLOR,
     PLAN_IMAGE_AXIS_DEPTH,
+    PLAN_TEXEL_KEYS, /* the words of PLAN_KEYS again, where its format is of texels */
+    PLAN_TEXEL_SLOT_IDS,
     PLAN_SLOTS
 };
 
@@ -133,7 +135,12 @@ enum plan_format {
     PLAN_RGBA32UI,
     PLAN_TEXELS_RGBA32UI, /* a buffer that is fetched as texels */
     PLAN_TEXELS_R32F,
+    PLAN_TEXELS_RG32UI,
+    PLAN_TEXELS_R32UI,
 };
+
+/* Texels of a buffer that STP_FEATURE_TEXEL_BUFFERS promises. */
+#define PLAN_MOST_TEXELS ((uint64_t)1 << 27)
 
 struct plan_resource {
     char name[24];
@@ -156,8 +163,10 @@ enum plan_shader {
     PLAN_SHADER_DEFERRED_COMPOSITE_IMAGE,
     PLAN_SHADER_EXACT_SLOTS,
     PLAN_SHADER_EXACT_SLOTS_LARGE,
-    PLAN_SHADER_EXACT_RESOLVE,
+    PLAN_SHADER_EXACT_RESOLVE, /* then with slots fetched as texels; so below */
+    PLAN_SHADER_EXACT_RESOLVE_FETCHED,
     PLAN_SHADER_EXACT_LAYERS,
+    PLAN_SHADER_EXACT_LAYERS_FETCHED,
     PLAN_SHADER_EXACT_ARM,
     PLAN_SHADER_EXACT_CLEAR,
     PLAN_SHADER_EXACT_COLLECT,
@@ -218,8 +227,11 @@ enum plan_shader {
     PLAN_SHADER_PYRAMID_RIM_SHADE_COLOR,
     PLAN_SHADER_PYRAMID_RIM_SHADE_ALL,
     PLAN_SHADER_AXIS_PROJECT,
+    PLAN_SHADER_AXIS_SURFACE, /* a surface's splats, in the place of the former */
     PLAN_SHADER_AXIS_VERTEX,
     PLAN_SHADER_AXIS_FRAGMENT,
+    PLAN_SHADER_AXIS_SURFACE_VERTEX,
+    PLAN_SHADER_AXIS_SURFACE_FRAGMENT,
     PLAN_SHADER_AXIS_BLOCK, /* then by subgroups; then of one walk and part; so below */
     PLAN_SHADER_AXIS_BLOCK_GROUPED,
     PLAN_SHADER_AXIS_BLOCK_PART,
@@ -441,6 +453,11 @@ void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
 void plan_axis(struct stp_plan *plan);
+/* axis_surface.c: of points and splats, drawn as flat Gaussians. */
+bool plan_axis_asked(const struct stp_plan *plan);
+enum stp_result plan_check_axis_surface(const struct stp_env *env, const struct stp_plan *plan);
+void plan_axis_surface_project(struct stp_plan *plan);
+void plan_surface_resources(struct stp_plan *plan); /* tile.c: splats and what goes with them */
 
 /* Their kernels, and by compute the blocks that they touch. */
 void plan_axis_resources(struct stp_plan *plan);

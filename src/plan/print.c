@@ -7,6 +7,7 @@
 static const char *const format_names[] = { "buffer",        "R32G32_UINT",
                                             "R32G32_SFLOAT", "R32G32B32A32_SFLOAT",
                                             "D32_SFLOAT",    "R32G32B32A32_UINT",
+                                            "texels",        "texels",
                                             "texels",        "texels" };
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
@@ -17,7 +18,7 @@ static const char *const constant_names[] = {
     "atomic64",     "layered",       "float64",   "sample_grid", "lanes",           "axis_walks",
     "axis_cut",     "unlit",         "axis_walk", "axis_part",   "opacity",         "mixed",
     "optics",       "host_depth",    "deep",      "phong",       "shade",           "light_cube",
-    "ellipsoids",   "cull_clusters",
+    "axis_shape",   "cull_clusters",
 };
 _Static_assert(sizeof constant_names / sizeof *constant_names == PLAN_CONSTANTS, "a name each");
 

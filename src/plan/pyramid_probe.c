@@ -111,6 +111,28 @@ static bool rim_hit(const struct pyramid *p, const struct pyramid_texel *t, doub
     return m.hit && m.depth >= e->near_depth && m.depth <= e->far_depth;
 }
 
+static struct shown shown_mean(const struct pyramid_push *r)
+{
+    struct shown s = { .depth = r->depth, .id = r->disc.id };
+    for (int k = 0; k < 3; k++) {
+        s.normal[k] = r->normal[k];
+        s.color[k] = r->color[k] / r->weight;
+    }
+    return s;
+}
+
+/* glsl/lib/rim_surface.glsl: what a pixel shows that the disc of t reaches at this depth. */
+static struct shown rim_surface(const struct drawing *d, const int64_t at[2], const double q[2],
+                                const struct pyramid_texel *t, double depth)
+{
+    const struct eye *e = &d->p->view->eye;
+    struct pyramid_texel own = pyramid_load(d->p, 0, at[0], at[1]);
+    struct pyramid_push r = pyramid_push(d->p, 1, at[0], at[1], q, false);
+    bool mean = !isfinite(own.depth) && r.weight > 0 && r.depth <= depth + (double)t->radius &&
+                r.depth >= e->near_depth && r.depth <= e->far_depth;
+    return mean ? shown_mean(&r) : shown_point(t, depth);
+}
+
 /* The nearest of the discs of the pixels round about that reach this one. */
 static bool rim_near(const struct drawing *d, const int64_t at[2], const double q[2], bool doubtful,
                      struct shown *s, double *reach)
@@ -127,7 +149,7 @@ static bool rim_near(const struct drawing *d, const int64_t at[2], const double 
             continue;
         nearest = depth;
         *reach = depth + (double)t.radius;
-        *s = shown_point(&t, depth);
+        *s = rim_surface(d, at, q, &t, depth);
     }
     return isfinite(nearest);
 }
@@ -144,7 +166,7 @@ static void reach_cell(const struct drawing *d, uint32_t cell, const struct pyra
             !rim_hit(d->p, t, crowd, center, q, &depth) || !(depth < d->empty[i].depth))
             continue;
         d->empty[i].depth = depth;
-        struct shown s = shown_point(t, depth);
+        struct shown s = rim_surface(d, at, q, t, depth);
         show(d, i, &s);
     }
 }
@@ -205,13 +227,10 @@ static bool shade_pixel(const struct drawing *d, const int64_t at[2], const doub
     }
     if (copied)
         return true;
-    if (!(r.weight > 0 && r.depth >= e->near_depth && r.depth <= e->far_depth))
+    bool rim = r.disc.rim && !valid; /* there the points' own discs decide */
+    if (rim || !(r.weight > 0 && r.depth >= e->near_depth && r.depth <= e->far_depth))
         return false;
-    *s = (struct shown){ .depth = r.depth, .id = r.disc.id };
-    for (int k = 0; k < 3; k++) {
-        s->normal[k] = r.normal[k];
-        s->color[k] = r.color[k] / r.weight;
-    }
+    *s = shown_mean(&r);
     return true;
 }
 

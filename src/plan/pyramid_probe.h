@@ -17,7 +17,7 @@ struct pyramid_texel {
     float normal[3], color[3];
     float center[2]; /* from the texel's middle, pixels */
     uint32_t id;     /* of the frontmost */
-    bool full;
+    bool full, rim;  /* rim: pushed, and beside it nothing is */
 };
 
 struct pyramid {

@@ -92,6 +92,8 @@ struct pyramid_push pyramid_push(const struct pyramid *p, unsigned coarse, int64
         for (int k = 0; k < 2; k++)
             center[i][k] += (double)t[i].center[k];
     }
+    for (int i = 0; i < 4; i++)
+        r.disc.rim = r.disc.rim || t[i].rim || !isfinite(t[i].depth);
     meet_four(p, coarse, center, t, q, hiding, depth, &r);
     for (int i = 0; i < 4; i++)
         if (isfinite(depth[i]) && depth[i] <= r.reach)

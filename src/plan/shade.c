@@ -9,10 +9,11 @@ enum stp_result plan_check_shade(const struct stp_env *env, const struct stp_pla
 {
     if (plan->params.shade == STP_SHADE_PIXEL)
         return STP_OK;
-    if (plan->method != STP_METHOD_TWO_PASS && plan->method != STP_METHOD_REFERENCE)
+    if (plan_axis_asked(plan) ||
+        (plan->method != STP_METHOD_TWO_PASS && plan->method != STP_METHOD_REFERENCE))
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "method %s shades pixels; --shade splat and flat take two-pass or "
-                         "reference",
+                         "method %s has a light of its own; --shade splat and flat take two-pass "
+                         "or reference",
                          stp_method_name(plan->method));
     if (plan->facts.transparent || plan->facts.environment_levels || plan->share.count)
         return log_error(env, STP_ERROR_ARGUMENT,

@@ -26,6 +26,8 @@ static unsigned texel_bytes(enum plan_format format)
         return 16;
     case PLAN_TEXELS_RGBA32UI:
     case PLAN_TEXELS_R32F:
+    case PLAN_TEXELS_RG32UI:
+    case PLAN_TEXELS_R32UI:
     case PLAN_BUFFER:
         break;
     }

@@ -19,10 +19,14 @@ uint64_t plan_bytes(const struct stp_plan *plan, enum plan_lifetime lifetime)
     return bytes;
 }
 
+/* Axis lists are cut into blocks of the picture, which tiles must not cut. */
 static uint32_t margin(const struct stp_plan *plan)
 {
-    uint32_t reach = plan->camera.height / 512;
-    return plan->facts.eye_dome ? (reach > 1 ? reach : 1) : 0;
+    uint32_t reach = plan->camera.height / 512, block = STP_BLOCK;
+    if (!plan->facts.eye_dome)
+        return 0;
+    reach = reach > 1 ? reach : 1;
+    return plan->method == STP_METHOD_AXIS ? (reach + block - 1) / block * block : reach;
 }
 
 static void outputs(struct stp_plan *plan)
@@ -37,12 +41,8 @@ static void outputs(struct stp_plan *plan)
         plan_resource(plan, "id", PLAN_OUT_ID, PLAN_OUTPUT, pixels * 4 * plan_id_words(plan));
 }
 
-static void scene_resources(struct stp_plan *plan)
+void plan_surface_resources(struct stp_plan *plan)
 {
-    if (plan->method == STP_METHOD_AXIS) {
-        plan_axis_resources(plan);
-        return;
-    }
     uint64_t n = plan_splats(plan) + plan_ghosts(plan);
     plan_resource(plan, "splats", PLAN_SPLATS, PLAN_SCENE, n * 32);
     if (plan->facts.has_color)
@@ -92,7 +92,9 @@ static void eye_dome(struct stp_plan *plan)
 static void background(struct stp_plan *plan)
 {
     bool behind = plan->path == STP_PATH_COMPUTE || plan->transparency != STP_TRANSPARENCY_AUTO;
-    if (!plan->constant[PLAN_BACKGROUND] || !behind || plan->method == STP_METHOD_AXIS)
+    if (plan->method == STP_METHOD_AXIS) /* a medium's last pass has it already */
+        behind = !plan_of_medium(&plan->facts);
+    if (!plan->constant[PLAN_BACKGROUND] || !behind)
         return;
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
@@ -106,15 +108,16 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     plan->tile_width = width;
     plan->tile_height = height;
     plan->resource_count = plan->pass_count = plan->loop_first = 0;
-    bool pyramid = plan->method == STP_METHOD_PYRAMID;
+    bool pyramid = plan->method == STP_METHOD_PYRAMID, axis = plan->method == STP_METHOD_AXIS;
     if (pyramid)
         plan_pyramid_resources(plan);
+    else if (axis)
+        plan_axis_resources(plan);
     else
-        scene_resources(plan);
+        plan_surface_resources(plan);
     plan_environment_resources(plan);
     if (plan_is_root(plan))
         outputs(plan);
-    bool axis = plan->method == STP_METHOD_AXIS;
     bool compute = plan->path == STP_PATH_COMPUTE && !axis;
     if (compute && !pyramid)
         compute_resources(plan);
@@ -166,11 +169,21 @@ static bool images_fit(const struct stp_plan *plan)
     return fit;
 }
 
+static bool texels_fit(const struct stp_plan *plan)
+{
+    bool fit = true;
+    for (uint32_t i = 0; i < plan->resource_count; i++)
+        fit = fit && (plan->resource[i].format != PLAN_TEXELS_RG32UI ||
+                      plan->resource[i].bytes / 8 <= PLAN_MOST_TEXELS);
+    return fit;
+}
+
 static bool fits(const struct stp_plan *plan, uint64_t limit)
 {
     uint64_t used = plan_bytes(plan, PLAN_TRANSIENT) + plan_bytes(plan, PLAN_OUTPUT);
     return used <= limit && largest(plan) <= plan->limits.max_allocation &&
-           (uint64_t)plan->tile_width * plan->tile_height <= MOST_PIXELS && images_fit(plan);
+           (uint64_t)plan->tile_width * plan->tile_height <= MOST_PIXELS && images_fit(plan) &&
+           texels_fit(plan);
 }
 
 static uint32_t cut(uint32_t length, uint32_t parts, uint32_t border)

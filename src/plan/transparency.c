@@ -13,6 +13,8 @@ enum stp_transparency plan_resolve_transparency(const struct stp_facts *facts,
     if (params->transparency != STP_TRANSPARENCY_AUTO)
         return params->transparency;
     switch (params->method) {
+    case STP_METHOD_AXIS: /* which composites splats, and has no layers */
+        return STP_TRANSPARENCY_AUTO;
     case STP_METHOD_DEFERRED:
         return STP_TRANSPARENCY_FAST;
     case STP_METHOD_TWO_PASS:

@@ -52,43 +52,40 @@ static uint64_t ascending_key(double value)
     return bits >> 63 ? ~bits : bits | (uint64_t)1 << 63;
 }
 
-/* Ellipsoids lie anywhere: sorted along the axis, once for all views. */
-static enum stp_result sort_ellipsoids(const struct stp_env *env, const struct kernels *k,
-                                       unsigned axis, struct axis_sheets *sheets)
+/* Ellipsoids and discs lie anywhere: sorted along the axis, once for all views. */
+static enum stp_result sort_scattered(const struct stp_env *env, size_t count,
+                                      const double (*place)[3], unsigned axis,
+                                      struct axis_sheets *sheets)
 {
     uint32_t *first = mem_zalloc(2, sizeof *first);
-    uint32_t *kernel = mem_alloc(k->count, sizeof *kernel);
-    uint64_t *key = mem_alloc(k->count, sizeof *key);
+    uint32_t *kernel = mem_alloc(count, sizeof *kernel);
+    uint64_t *key = mem_alloc(count, sizeof *key);
     enum stp_result result = STP_OK;
     if (!first || !kernel || !key)
-        result = log_no_memory(env, k->count * 12, "the order along an axis");
-    for (size_t i = 0; result == STP_OK && i < k->count; i++) {
-        key[i] = ascending_key(k->place[i][axis]);
+        result = log_no_memory(env, count * 12, "the order along an axis");
+    for (size_t i = 0; result == STP_OK && i < count; i++) {
+        key[i] = ascending_key(place[i][axis]);
         kernel[i] = (uint32_t)i;
     }
     if (result == STP_OK)
-        result = radix_sort(env, k->count, key, kernel);
+        result = radix_sort(env, count, key, kernel);
     mem_free(key);
     if (result != STP_OK) {
         mem_free(first);
         mem_free(kernel);
         return result;
     }
-    first[1] = (uint32_t)k->count;
+    first[1] = (uint32_t)count;
     *sheets = (struct axis_sheets){ first, kernel };
     return STP_OK;
 }
 
 /* A counting sort, but across z, where kernels are in the order of their sheets already. */
-static enum stp_result make_sheets(const struct stp_env *env, const struct volume *volume,
+static enum stp_result sort_voxels(const struct stp_env *env, const struct volume *volume,
                                    unsigned axis, struct axis_sheets *sheets)
 {
     const struct kernels *k = &volume->kernels;
     uint32_t at[3], sum = 0, count = volume->grid.dims[axis];
-    if (sheets->first)
-        return STP_OK;
-    if (volume_is_range(volume))
-        return sort_ellipsoids(env, k, axis, sheets);
     uint32_t *first = mem_zalloc((size_t)count + 1, sizeof *first);
     uint32_t *kernel = axis < 2 ? mem_alloc(k->count, sizeof *kernel) : NULL;
     if (!first || (axis < 2 && !kernel)) {
@@ -117,17 +114,35 @@ static enum stp_result make_sheets(const struct stp_env *env, const struct volum
     return STP_OK;
 }
 
+static enum stp_result make_sheets(const struct stp_env *env, const struct stp_scene *scene,
+                                   unsigned axis, struct axis_sheets *sheets)
+{
+    if (sheets->first)
+        return STP_OK;
+    switch (axis_shape(scene)) {
+    case AXIS_VOXELS:
+        return sort_voxels(env, scene->volume, axis, sheets);
+    case AXIS_ELLIPSOIDS:
+        return sort_scattered(env, scene->volume->kernels.count,
+                              (const double(*)[3])scene->volume->kernels.place, axis, sheets);
+    case AXIS_DISCS:
+        break;
+    }
+    return sort_scattered(env, scene->splats.count, (const double(*)[3])scene->splats.position,
+                          axis, sheets);
+}
+
 struct filling {
-    const struct volume *volume;
+    const struct stp_scene *scene;
     const struct axis_lists *lists;
 };
 
-/* The same of ellipsoids; of equal ones the order is that of every view. */
-static void fill_ellipsoids(const struct filling *f, const struct axis_walk *walk)
+/* The same of ellipsoids and discs; of equal ones the order is that of every view. */
+static void fill_scattered(const struct filling *f, const struct axis_walk *walk)
 {
     const struct axis_lists *lists = f->lists;
     const uint32_t *kernel = lists->sheets[walk->axis].kernel;
-    size_t count = f->volume->kernels.count;
+    size_t count = axis_kernels(f->scene);
     uint32_t *out = lists->order + walk->first;
     for (size_t n = 0; n < count; n++) {
         uint32_t k = kernel[walk->backwards ? n : count - 1 - n];
@@ -142,7 +157,7 @@ static void fill_walk(const struct filling *f, const struct axis_walk *walk)
 {
     const struct axis_lists *lists = f->lists;
     const struct axis_sheets *sheets = &lists->sheets[walk->axis];
-    uint32_t count = f->volume->grid.dims[walk->axis], *out = lists->order + walk->first;
+    uint32_t count = f->scene->volume->grid.dims[walk->axis], *out = lists->order + walk->first;
     unsigned bit = axis_walk_bit(walk);
     for (uint32_t n = 0; n < count; n++) {
         uint32_t sheet = walk->backwards ? n : count - 1 - n;
@@ -158,10 +173,10 @@ static void fill_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct filling *f = context;
     for (size_t w = begin; w < end; w++)
-        if (volume_is_range(f->volume))
-            fill_ellipsoids(f, &f->lists->walk[w]);
-        else
+        if (axis_shape(f->scene) == AXIS_VOXELS)
             fill_walk(f, &f->lists->walk[w]);
+        else
+            fill_scattered(f, &f->lists->walk[w]);
 }
 
 struct keying {
@@ -191,7 +206,7 @@ static enum stp_result fill_sorted(const struct stp_env *env, const struct stp_s
     uint32_t n = 0;
     if (!k.key)
         return log_no_memory(env, lists->count * sizeof *k.key, "distances");
-    for (size_t i = scene->volume->kernels.count; i-- > 0;)
+    for (size_t i = axis_kernels(scene); i-- > 0;)
         if (lists->mask[i])
             lists->order[n++] = (uint32_t)i;
     parallel_for(env, lists->count, 16384, key_range, &k);
@@ -238,13 +253,13 @@ static enum stp_result make_room(const struct stp_env *env, struct axis_lists *l
 static enum stp_result fill_walks(const struct stp_env *env, const struct stp_scene *scene,
                                   const struct stp_camera *camera, struct axis_lists *lists)
 {
-    struct filling filling = { scene->volume, lists };
+    struct filling filling = { scene, lists };
     enum stp_result result = make_room(env, lists);
     if (result == STP_OK && lists->merge == STP_AXIS_SORT)
         return lists->count ? fill_sorted(env, scene, camera, lists) : STP_OK;
     for (unsigned w = 0; result == STP_OK && w < lists->walk_count; w++) {
         unsigned axis = lists->walk[w].axis;
-        result = make_sheets(env, scene->volume, axis, &lists->sheets[axis]);
+        result = make_sheets(env, scene, axis, &lists->sheets[axis]);
     }
     if (result == STP_OK)
         parallel_for(env, lists->walk_count, 1, fill_range, &filling);
@@ -256,7 +271,7 @@ enum stp_result axis_lists_update(const struct stp_env *env, const struct stp_sc
 {
     enum stp_result result = axis_sift(env, scene, camera, lists);
     if (result == STP_OK) {
-        count_walks(scene->volume->kernels.count, lists);
+        count_walks(axis_kernels(scene), lists);
         result = fill_walks(env, scene, camera, lists);
     }
     if (result != STP_OK)

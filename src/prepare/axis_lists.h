@@ -22,7 +22,7 @@ struct axis_walk {
 };
 
 /* Kernels by their sheets across an axis: the same for every view, made when one first asks.
- * Ellipsoids are one sheet, ascending along the axis. */
+ * Ellipsoids and surface splats are one sheet, ascending along the axis. */
 struct axis_sheets {
     uint32_t *first;  /* of each sheet, and the end; NULL: nobody has asked yet */
     uint32_t *kernel; /* ascending within a sheet; NULL: the kernels' own order, as across z */
@@ -33,9 +33,16 @@ struct axis_span {
     uint16_t x0, x1, y0, y1;
 };
 
+/* How surface splats are looked at: back faces left out, and the least diameter in pixels. */
+struct axis_look {
+    bool cull_back;
+    double floor; /* 0: none */
+};
+
 struct axis_lists {
     enum stp_axis_merge merge;
     double h;
+    struct axis_look look;
     unsigned walk_count;
     struct axis_walk walk[AXIS_WALKS];
     uint32_t *order; /* kernels of all walks, one walk after the other, each far to near */
@@ -67,7 +74,7 @@ enum stp_result axis_lists_build(const struct stp_env *env, const struct stp_sce
                                  const struct stp_camera *camera, enum stp_axis_merge merge,
                                  double h, struct axis_lists *lists);
 /* The same for another view, and all that a changed camera takes: what does not depend on the view,
- * and memory, are kept. merge and h are those of the lists. On failure they are empty. */
+ * and memory, are kept. merge, h and look are those of the lists. On failure they are empty. */
 enum stp_result axis_lists_update(const struct stp_env *env, const struct stp_scene *scene,
                                   const struct stp_camera *camera, struct axis_lists *lists);
 void axis_lists_release(struct axis_lists *lists);

@@ -67,6 +67,18 @@ bool axis_region_reaches(const struct axis_region *region, const struct axis_rec
     return true;
 }
 
+enum axis_shape axis_shape(const struct stp_scene *scene)
+{
+    if (!scene->volume)
+        return AXIS_DISCS;
+    return volume_is_range(scene->volume) ? AXIS_ELLIPSOIDS : AXIS_VOXELS;
+}
+
+size_t axis_kernels(const struct stp_scene *scene)
+{
+    return scene->volume ? scene->volume->kernels.count : scene->splats.count;
+}
+
 /* The eye, or where the pixel's ray crosses the plane of the eye. */
 static struct axis_rays axis_starts(const struct stp_camera *camera)
 {
@@ -100,13 +112,14 @@ static void shape_of_grid(struct axis_view *view)
 struct axis_view axis_view(const struct stp_scene *scene, const struct stp_camera *camera)
 {
     struct axis_view view = { .camera = camera,
+                              .scene = scene,
                               .volume = scene->volume,
+                              .shape = axis_shape(scene),
                               .rays = axis_rays(camera),
                               .starts = axis_starts(camera) };
-    view.is_ellipsoid = volume_is_range(scene->volume);
-    if (view.is_ellipsoid)
+    if (view.shape == AXIS_ELLIPSOIDS)
         view.look = range_view_of(camera);
-    else
+    else if (view.shape == AXIS_VOXELS)
         shape_of_grid(&view);
     return view;
 }
@@ -130,33 +143,58 @@ static void shape_of_ellipsoid(struct axis_view *view, const float axes[3][3])
     view->amplitude = 1;
 }
 
-void axis_centre(const struct axis_view *view, uint32_t index, double world[3])
+/* An ellipsoid of no thickness, in front of the eye. */
+static void shape_of_disc(struct axis_view *view, const struct axis_disc *disc)
 {
-    const struct grid *grid = &view->volume->grid;
-    const struct kernels *k = &view->volume->kernels;
-    uint32_t at[3];
-    if (!view->is_ellipsoid)
-        voxel_place(grid, k->voxel[index], at);
-    for (int a = 0; a < 3; a++)
-        world[a] =
-            view->is_ellipsoid ? k->place[index][a] : grid->origin[a] + at[a] * grid->spacing[a];
+    for (int n = 0; n < 2; n++) {
+        struct vec3 axis = v3_scale(disc->axis[n], disc->radius[n]);
+        const double along[3] = { axis.x, axis.y, axis.z };
+        for (int row = 0; row < 3; row++)
+            view->reach[row][n] = along[row];
+    }
+    for (int row = 0; row < 3; row++) {
+        view->reach[row][2] = 0;
+        view->half[row] = v3_length(v3_load(view->reach[row]));
+    }
 }
 
-void axis_kernel(const struct axis_view *view, uint32_t index, struct axis_kernel *kernel)
+void axis_centre(const struct axis_view *view, uint32_t index, double world[3])
+{
+    const double *place = view->shape == AXIS_DISCS        ? view->scene->splats.position[index]
+                          : view->shape == AXIS_ELLIPSOIDS ? view->volume->kernels.place[index]
+                                                           : NULL;
+    uint32_t at[3] = { 0 };
+    if (!place)
+        voxel_place(&view->volume->grid, view->volume->kernels.voxel[index], at);
+    for (int a = 0; a < 3; a++)
+        world[a] =
+            place ? place[a] : view->volume->grid.origin[a] + at[a] * view->volume->grid.spacing[a];
+}
+
+bool axis_kernel(const struct axis_view *view, uint32_t index, struct axis_kernel *kernel)
 {
     axis_centre(view, index, kernel->centre);
     kernel->view = view;
-    if (!view->is_ellipsoid)
-        return;
+    if (view->shape == AXIS_VOXELS)
+        return true;
     kernel->own = *view;
     kernel->view = &kernel->own;
-    shape_of_ellipsoid(&kernel->own, view->volume->kernels.axes[index]);
+    if (view->shape == AXIS_ELLIPSOIDS) {
+        shape_of_ellipsoid(&kernel->own, view->volume->kernels.axes[index]);
+        return true;
+    }
+    if (!axis_disc_make(view->scene, view->camera, &view->disc_look, index, &kernel->disc))
+        return false;
+    shape_of_disc(&kernel->own, &kernel->disc);
+    return true;
 }
 
 double axis_tau(const struct axis_view *view, uint32_t index)
 {
-    return view->is_ellipsoid ? range_tau(view->volume, &view->look, index)
-                              : (double)view->volume->kernels.tau[index];
+    if (view->shape == AXIS_DISCS)
+        return 0;
+    return view->shape == AXIS_ELLIPSOIDS ? range_tau(view->volume, &view->look, index)
+                                          : (double)view->volume->kernels.tau[index];
 }
 
 /* Pixels of [0, size) whose centres lie in centre + focal * [low, high] / [near, far]. */
@@ -199,16 +237,28 @@ static bool ellipsoid_pixels(const struct axis_view *view, struct vec3 c, struct
            span(y[0], y[1], one, camera->fy, camera->cy, camera->height, &r->y0, &r->y1);
 }
 
-bool axis_pixels(const struct axis_view *view, const double centre[3], struct axis_rectangle *r)
+/* Around the ellipse on the screen that stands for a disc below the floor. */
+static bool floored_pixels(const struct axis_disc *d, struct axis_rectangle *r)
 {
+    const double one[2] = { 1, 1 };
+    const struct stp_camera *c = d->camera;
+    return span(-d->reach[0], d->reach[0], one, 1, d->at[0], c->width, &r->x0, &r->x1) &&
+           span(-d->reach[1], d->reach[1], one, 1, d->at[1], c->height, &r->y0, &r->y1);
+}
+
+bool axis_pixels(const struct axis_kernel *kernel, struct axis_rectangle *r)
+{
+    const struct axis_view *view = kernel->view;
     const struct stp_camera *camera = view->camera;
-    struct vec3 c = m4_point(camera->world_to_camera, v3_load(centre));
+    if (view->shape == AXIS_DISCS && kernel->disc.floored)
+        return floored_pixels(&kernel->disc, r);
+    struct vec3 c = m4_point(camera->world_to_camera, v3_load(kernel->centre));
     const double *h = view->half, one[2] = { 1, 1 };
     double depth[2] = { fmax(-c.z - h[2], camera->near_depth),
                         fmin(-c.z + h[2], camera->far_depth) };
     if (!(depth[0] <= depth[1]))
         return false;
-    if (view->is_ellipsoid && !camera->orthographic && -c.z - h[2] > camera->near_depth)
+    if (view->shape != AXIS_VOXELS && !camera->orthographic && -c.z - h[2] > camera->near_depth)
         return ellipsoid_pixels(view, c, r);
     const double *d = camera->orthographic ? one : depth;
     return span(c.x - h[0], c.x + h[0], d, camera->fx, camera->cx, camera->width, &r->x0, &r->x1) &&
@@ -249,12 +299,14 @@ bool axis_nearly_meets(const struct axis_view *view, const double centre[3], dou
            0.5 * peak * (1 - 0.5 * n.m2) >= 1.001 * LEAST_ALPHA;
 }
 
-bool axis_hits(const struct axis_view *view, const double centre[3], double tau, double px,
-               double py)
+bool axis_hits(const struct axis_kernel *kernel, double tau, double px, double py)
 {
+    const struct axis_view *view = kernel->view;
     const struct stp_camera *camera = view->camera;
+    if (view->shape == AXIS_DISCS)
+        return axis_disc_hits(&kernel->disc, px, py);
     struct vec3 v = axis_ray(&view->rays, px, py);
-    struct approach n = approach(view, centre, v, px, py);
+    struct approach n = approach(view, kernel->centre, v, px, py);
     double t = fmin(fmax(n.peak, camera->near_depth), camera->far_depth);
     if (n.m2 + n.a * (t - n.peak) * (t - n.peak) > KERNEL_REACH * KERNEL_REACH)
         return false;

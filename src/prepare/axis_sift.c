@@ -62,7 +62,7 @@ static bool draws(const struct sifting *s, unsigned w, const struct axis_rectang
         for (int64_t px = r->x0; px <= r->x1; px++) {
             double x = (double)px + 0.5, y = (double)py + 0.5;
             if ((s->everywhere || axis_region_holds(&s->region[w], x, y)) &&
-                axis_hits(kernel->view, kernel->centre, tau, x, y))
+                axis_hits(kernel, tau, x, y))
                 return true;
         }
     return false;
@@ -89,9 +89,9 @@ static unsigned walks_of(const struct sifting *s, const struct axis_rectangle *r
     double x = (double)((r->x0 + r->x1) / 2) + 0.5, y = (double)((r->y0 + r->y1) / 2) + 0.5;
     unsigned open, whole, drawn = 0;
     find_blocks(s, r, &open, &whole);
-    bool near = open && !s->view.is_ellipsoid &&
+    bool near = open && s->view.shape == AXIS_VOXELS &&
                 axis_nearly_meets(&s->view, kernel->centre, tau * s->least_peak, x, y);
-    if (near || (open && axis_hits(kernel->view, kernel->centre, tau, x, y)))
+    if (near || (open && axis_hits(kernel, tau, x, y)))
         drawn = whole;
     for (unsigned w = 0, rest = open & ~drawn; rest >> w; w++)
         if (rest >> w & 1)
@@ -105,9 +105,8 @@ static void sift_range(void *context, size_t begin, size_t end, unsigned worker)
     for (size_t i = begin; i < end; i++) {
         struct axis_rectangle r;
         struct axis_kernel kernel;
-        axis_kernel(&s->view, (uint32_t)i, &kernel);
         s->lists->mask[i] = 0;
-        if (!axis_pixels(kernel.view, kernel.centre, &r))
+        if (!axis_kernel(&s->view, (uint32_t)i, &kernel) || !axis_pixels(&kernel, &r))
             continue;
         s->lists->mask[i] = (uint8_t)walks_of(s, &r, &kernel, axis_tau(&s->view, (uint32_t)i));
         s->lists->span[i] =
@@ -161,7 +160,7 @@ static enum stp_result make_room(const struct stp_env *env, struct axis_lists *l
 enum stp_result axis_sift(const struct stp_env *env, const struct stp_scene *scene,
                           const struct stp_camera *camera, struct axis_lists *lists)
 {
-    size_t count = scene->volume->kernels.count;
+    size_t count = axis_kernels(scene);
     enum stp_result result = make_room(env, lists, count, camera);
     if (result != STP_OK)
         return result;
@@ -173,8 +172,10 @@ enum stp_result axis_sift(const struct stp_env *env, const struct stp_scene *sce
                          .whole = mem_alloc(blocks, 1) };
     if (!s.whole)
         return log_no_memory(env, blocks, "the walks of blocks");
-    s.least_peak =
-        kernel_amplitude() * sqrt(2 * M_PI) * KERNEL_SIGMA * volume_finest(&scene->volume->grid);
+    s.view.disc_look = lists->look;
+    if (s.view.shape == AXIS_VOXELS)
+        s.least_peak = kernel_amplitude() * sqrt(2 * M_PI) * KERNEL_SIGMA *
+                       volume_finest(&scene->volume->grid);
     find_walks(camera, &s);
     parallel_for(env, blocks, 1024, open_range, &s);
     parallel_for(env, count, GRAIN, sift_range, &s);

@@ -22,11 +22,15 @@ struct outliner {
     double spacing;
 };
 
+/* Samples whose discs do not touch are no one surface: there a gap is no wider than their discs. */
 static double mean_spacing(const struct fit_cloud *cloud, const struct patch *p)
 {
     double sum = 0;
-    for (uint32_t k = 0; k < p->count; k++)
-        sum += (double)cloud->site[p->member[k]].spacing;
+    for (uint32_t k = 0; k < p->count; k++) {
+        uint32_t sample = cloud->first[p->member[k]];
+        sum += fmin((double)cloud->site[p->member[k]].spacing,
+                    2 * (double)cloud->samples->radius[sample]);
+    }
     return sum / p->count;
 }
 

@@ -1,6 +1,7 @@
 #include "record/record.h"
 
 #include "base/log.h"
+#include "prepare/axis_region.h"
 
 enum stp_result record_lists(const struct stp_env *env, struct record_frame *frame,
                              const struct axis_lists *lists, const struct axis_blocks *blocks)
@@ -26,8 +27,10 @@ enum stp_result record_view(const struct stp_env *env, struct record_frame *fram
         return STP_OK;
     frame->axis.merge = plan->axis.merge;
     frame->axis.h = plan->axis.h;
+    frame->axis.look = plan->axis.look;
     enum stp_result result = axis_lists_update(env, scene, &plan->camera, &frame->axis);
-    if (result == STP_OK && plan->constant[PLAN_ELLIPSOIDS]) /* the view weights them */
+    if (result == STP_OK &&
+        plan->constant[PLAN_AXIS_SHAPE] == AXIS_ELLIPSOIDS) /* the view weights */
         result = upload_ellipsoids(env, frame, scene,
                                    &frame->resources.buffer[plan_find(plan, PLAN_SPLATS)]);
     if (result == STP_OK && plan->path == STP_PATH_COMPUTE)

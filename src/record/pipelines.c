@@ -22,11 +22,23 @@ struct keyed {
     uint8_t maker[PLAN_MAX_PASSES]; /* the first pass that is alike; its pipeline is all theirs */
 };
 
+/* Slots have an address, and may be fetched as texels besides. Where they have no ids the slots
+ * themselves stand at that binding: shaders name it, but fetch nothing. */
+static uint8_t find_bound(const struct stp_plan *plan, uint32_t slot)
+{
+    if (slot != PLAN_TEXEL_KEYS && slot != PLAN_TEXEL_SLOT_IDS)
+        return plan_find(plan, slot);
+    uint8_t keys = plan_find(plan, PLAN_KEYS), ids = plan_find(plan, PLAN_SLOT_IDS);
+    if (keys == PLAN_NONE || !pass_is_texels(plan->resource[keys].format))
+        return PLAN_NONE;
+    return slot == PLAN_TEXEL_SLOT_IDS && ids != PLAN_NONE ? ids : keys;
+}
+
 struct record_bindings record_bindings(const struct stp_plan *plan)
 {
     struct record_bindings b = { 0 };
     for (uint32_t slot = PLAN_BUFFER_SLOTS; slot < PLAN_SLOTS; slot++) {
-        uint8_t found = plan_find(plan, slot);
+        uint8_t found = find_bound(plan, slot);
         if (found == PLAN_NONE || slot == PLAN_IMAGE_DEPTH)
             continue;
         b.resource[b.count] = found;

@@ -186,22 +186,24 @@ enum stp_result record_again(const struct stp_env *env, struct record_frame *fra
 
 #define PROFILED 5
 
-/* What a view takes of the CPU, as a pass before the others. */
+/* What a view takes of the CPU, as a pass besides the others. */
 static enum stp_result profile_view(const struct stp_env *env, struct record_frame *frame,
                                     const struct stp_scene *scene, struct stp_render_stats *stats)
 {
     double ms[PROFILED];
-    if (frame->plan->method != STP_METHOD_AXIS || stats->pass_count == STP_MAX_PASSES)
+    bool axis = frame->plan->method == STP_METHOD_AXIS;
+    if (!(axis || plan_covers(frame->plan)) || stats->pass_count == STP_MAX_PASSES)
         return STP_OK;
     for (unsigned f = 0; f < PROFILED; f++) {
         double start = now_ms();
-        enum stp_result result = record_view(env, frame, scene);
+        enum stp_result result =
+            axis ? record_view(env, frame, scene) : record_order(env, frame, scene);
         if (result != STP_OK)
             return result;
         ms[f] = now_ms() - start;
     }
     struct stp_pass_time *pass = &stats->pass[stats->pass_count++];
-    snprintf(pass->name, sizeof pass->name, "lists, on the CPU");
+    snprintf(pass->name, sizeof pass->name, "%s, on the CPU", axis ? "lists" : "order");
     pass->milliseconds = median(ms, PROFILED);
     return STP_OK;
 }

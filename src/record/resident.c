@@ -14,7 +14,7 @@ enum stp_result resident_check_method(const struct stp_env *env, const struct st
                          "method pyramid is not drawn into a host's frame; use exact or deferred");
     if (plan->method == STP_METHOD_AXIS)
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "volumes are not drawn into a host's frame: their lists are of one view");
+                         "method axis is not drawn into a host's frame: its lists are of one view");
     if (plan_covers(plan) || plan->transparency == STP_TRANSPARENCY_PEEL)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "transparency %s is not drawn into a host's frame; use exact",

@@ -5,6 +5,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "prepare/axis_region.h"
 #include "prepare/environment.h"
 #include "scene/optics.h"
 #include "scene/scene.h"
@@ -173,7 +174,7 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
             continue;
         switch (frame->plan->resource[i].slot) {
         case PLAN_SPLATS:
-            result = frame->plan->constant[PLAN_ELLIPSOIDS]
+            result = frame->plan->constant[PLAN_AXIS_SHAPE] == AXIS_ELLIPSOIDS
                          ? upload_ellipsoids(env, frame, scene, buffer)
                      : scene->volume ? upload_kernels(env, frame, scene, buffer)
                                      : upload_splats(env, frame, &scene->splats, buffer);
@@ -201,14 +202,14 @@ enum stp_result record_upload(const struct stp_env *env, struct record_frame *fr
         case PLAN_ORDER:
             if (plan_covers(frame->plan))
                 result = record_upload_homes(env, frame, scene, buffer);
-            else if (!scene->volume)
+            else if (frame->plan->method != STP_METHOD_AXIS)
                 result = upload_order(env, frame, &scene->splats, buffer);
             break;
         default:
             break;
         }
     }
-    if (result == STP_OK && scene->volume)
+    if (result == STP_OK && frame->plan->method == STP_METHOD_AXIS)
         result = record_lists(env, frame, &frame->plan->axis, &frame->plan->axis_blocks);
     if (result == STP_OK && frame->share)
         result = record_ghosts(env, frame);

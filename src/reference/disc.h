@@ -16,6 +16,7 @@ struct view {
     enum stp_shade shade;
     bool single_layer; /* --layers single */
     bool cull_back, two_sided, local_viewer;
+    bool gaussians;   /* splats are composited one by one (gaussians.c) */
     bool transparent; /* pixels are layers (layers.c) */
     bool deep;        /* which are kept one by one */
     double min_splat; /* pixels; 0: off */

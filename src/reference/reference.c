@@ -3,6 +3,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "reference/gaussians.h"
 #include "reference/samples.h"
 #include "reference/tile.h"
 #include "reference/volume.h"
@@ -43,6 +44,13 @@ static enum stp_result check_camera(const struct stp_env *env, const struct stp_
     return STP_OK;
 }
 
+/* Method axis on a surface, in the exact order. */
+static bool of_gaussians(const struct stp_scene *scene, const struct stp_render_params *params)
+{
+    return !scene->volume && params->axis_merge == STP_AXIS_REFERENCE &&
+           (params->method == STP_METHOD_AXIS || params->method == STP_METHOD_REFERENCE);
+}
+
 static enum stp_result check(const struct stp_env *env, const struct stp_scene *scene,
                              const struct stp_camera *camera,
                              const struct stp_render_params *params)
@@ -58,9 +66,10 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (!(params->epsilon >= 0) || isnan(params->min_splat))
         return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g or min-splat %g is out of range",
                          params->epsilon, params->min_splat);
-    if (params->deep && (params->samples > 1 || scene->volume))
+    if (params->deep && (params->samples > 1 || scene->volume || of_gaussians(scene, params)))
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "no deep picture of a volume, nor of several samples a pixel");
+                         "no deep picture of a volume, of Gaussians in order, nor of several "
+                         "samples a pixel");
     if (params->shade != STP_SHADE_PIXEL &&
         (scene->facts.transparent || scene->environment.map.width))
         return log_error(env, STP_ERROR_ARGUMENT,
@@ -83,6 +92,7 @@ struct view reference_view(const struct stp_scene *scene, const struct stp_camer
                          .cull_back = params->cull == STP_CULL_BACK,
                          .two_sided = scene->facts.two_sided,
                          .local_viewer = params->local_viewer,
+                         .gaussians = of_gaussians(scene, params),
                          .transparent = scene->facts.transparent,
                          .deep = params->deep && scene->facts.transparent,
                          .epsilon = params->epsilon,
@@ -139,8 +149,13 @@ static enum stp_result render(const struct stp_env *env, const struct view *view
     }
     if (result == STP_OK && view->deep)
         result = finish_deep(env, view, scratch, threads, image);
-    for (unsigned i = 0; i < threads; i++)
+    for (unsigned i = 0; i < threads; i++) {
+        if (result == STP_OK && view->gaussians && scratch[i].no_memory)
+            result = log_no_memory(env, 2 * scratch[i].gaussians.capacity * sizeof(struct gaussian),
+                                   "the fragments of a tile");
+        gaussians_release(&scratch[i].gaussians);
         deep_list_release(&scratch[i].deep);
+    }
     mem_free(scratch);
     return result;
 }

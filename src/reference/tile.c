@@ -1,5 +1,6 @@
 #include "reference/tile.h"
 
+#include "reference/gaussians.h"
 #include "reference/samples.h"
 
 static size_t index_of(const struct tile *tile, uint32_t x, uint32_t y)
@@ -118,7 +119,9 @@ void tile_render(const struct view *view, const struct bins *bins, size_t index,
         scratch->pixel[i] = (struct pixel){ 0 };
     for (uint32_t sample = 0; tile.count && sample < view->grid * view->grid; sample++) {
         begin_sample(&tile, sample);
-        if (view->transparent)
+        if (view->gaussians)
+            tile_gaussians(&tile);
+        else if (view->transparent)
             tile_layers(&tile);
         else
             opaque_sample(&tile);

@@ -20,6 +20,20 @@ struct crossing {
     size_t last;          /* with deep layers: where that of the layer done last is */
 };
 
+/* A fragment of a Gaussian, lit. */
+struct gaussian {
+    double depth, alpha;
+    struct vec3 color;
+    uint32_t id;
+};
+
+/* With view->gaussians: all of a tile's rays, one ray after the other. */
+struct gaussians {
+    struct gaussian *fragment;
+    size_t capacity, first[TILE * TILE + 1], next[TILE * TILE];
+    bool fill; /* else they are only counted */
+};
+
 /* One thread's; of a tile's pixels, row by row. */
 struct scratch {
     double px[TILE * TILE], py[TILE * TILE]; /* the sample's position and ray */
@@ -29,7 +43,8 @@ struct scratch {
     struct crossing crossing[TILE * TILE];
     struct pixel pixel[TILE * TILE];
     struct deep_list deep; /* with view->deep: the layers of all tiles so far */
-    bool no_memory;        /* for one of them */
+    struct gaussians gaussians;
+    bool no_memory; /* for one of them */
 };
 
 struct tile {

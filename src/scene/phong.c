@@ -1,5 +1,6 @@
 #include "scene/phong.h"
 
+#include <limits.h>
 #include <string.h>
 
 #include "base/vec.h"
@@ -7,6 +8,7 @@
 #define FLOATS    15   /* u, radius, field and clip: what comes before the bytes */
 #define UNIT      5e-7 /* within this, a float vector is unit, and two are at right angles */
 #define LEAST_SIN 1e-3 /* of the angle between u and the normal */
+#define MOST_BITS 50   /* squares of what is below 2^50 stay within floats */
 
 _Static_assert(offsetof(struct stp_phong_splat, clips) == FLOATS * sizeof(float), "no padding");
 
@@ -60,6 +62,39 @@ static bool straighten(float u[3], const float normal[3])
     return true;
 }
 
+/* The least power of two above all of them. */
+static int bits_of(const float *value, unsigned count)
+{
+    int most = INT_MIN;
+    for (unsigned i = 0; i < count; i++) {
+        int bits = INT_MIN;
+        if (value[i] != 0)
+            frexpf(value[i], &bits);
+        most = bits > most ? bits : most;
+    }
+    return most;
+}
+
+static void shift(float *value, unsigned count, int bits)
+{
+    for (unsigned i = 0; i < count; i++)
+        value[i] = ldexpf(value[i], bits);
+}
+
+/* A line says the same at any scale. A field of 2^50 leaves nothing of n in a float, so that a
+ * larger one has the same directions. */
+static void scale_extremes(struct stp_phong_splat *phong)
+{
+    int bits = bits_of(phong->field, 4);
+    if (bits > MOST_BITS)
+        shift(phong->field, 4, MOST_BITS - bits);
+    for (unsigned line = 0; line < phong->clips; line++) {
+        bits = bits_of(phong->clip[line], 3);
+        if (bits > MOST_BITS || (bits < -MOST_BITS && bits != INT_MIN))
+            shift(phong->clip[line], 3, -bits);
+    }
+}
+
 bool phong_clean(struct stp_phong_splat *phong, const float normal[3])
 {
     if (phong->clips > 2 || (normal[0] == 0 && normal[1] == 0 && normal[2] == 0))
@@ -67,9 +102,11 @@ bool phong_clean(struct stp_phong_splat *phong, const float normal[3])
     for (unsigned line = phong->clips; line < 2; line++)
         memset(phong->clip[line], 0, sizeof phong->clip[line]);
     phong->reflex = phong->clips == 2 && phong->reflex;
-    return all_finite(phong->u, 3) && all_finite(phong->radius, 2) && phong->radius[0] > 0 &&
-           phong->radius[1] > 0 && all_finite(phong->field, 4) && all_finite(phong->clip[0], 6) &&
-           straighten(phong->u, normal);
+    if (!all_finite(phong->u, 3) || !all_finite(phong->radius, 2) || !(phong->radius[0] > 0) ||
+        !(phong->radius[1] > 0) || !all_finite(phong->field, 4) || !all_finite(phong->clip[0], 6))
+        return false;
+    scale_extremes(phong);
+    return straighten(phong->u, normal);
 }
 
 void phong_transform(struct stp_phong_splat *phong, const double m[16], double scale)

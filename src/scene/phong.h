@@ -14,8 +14,9 @@ struct stp_phong_splat phong_of_disc(const float normal[3], float radius);
 bool phong_is_plain(const struct stp_phong_splat *phong);
 
 /* Makes u unit and normal to `normal`, which is unit, and lines that are not used 0. What is so to
- * rounding stays bit for bit. False where that cannot be: something is not finite, an axis is not
- * above 0, there are more than two lines, or u is parallel to the normal. */
+ * rounding stays bit for bit; fields above 2^50, and lines above that or below 2^-50, are scaled by
+ * a power of two, which they mean the same by. False where that cannot be: something is not finite,
+ * an axis is not above 0, there are more than two lines, or u is parallel to the normal. */
 bool phong_clean(struct stp_phong_splat *phong, const float normal[3]);
 
 /* By a rotation times `scale`, row-major 4x4. */

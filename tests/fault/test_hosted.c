@@ -4,6 +4,7 @@
 #include "subject.h"
 
 #include "base/memory.h"
+#include "pass/ellipses.h"
 #include "record/resident.h"
 
 #define WIDTH   40
@@ -263,11 +264,40 @@ static void test_failing(void **state)
     stp_scene_destroy(&faded);
 }
 
+/* Every allocation of what a host makes, of a scene whose ellipses and clip lines are uploaded too;
+ * all of what was made before goes with it. */
+static void test_allocations(void **state)
+{
+    const struct stp_render_params params = { .method = STP_METHOD_EXACT };
+    struct stp_scene *scene = random_scene(61, 12, true);
+    struct host h;
+    host_open(&h);
+    assert_true(scene->facts.clip_lines > 0);
+    enum stp_result result = STP_ERROR_MEMORY;
+    for (unsigned long n = 1; result != STP_OK; n++) {
+        struct made made = { 0 };
+        unsigned live = h.fault.read().live;
+        h.device.lines = 0;
+        mem_fail_at(n);
+        result = make(&h, scene, &params, &made);
+        mem_fail_at(0);
+        if (result != STP_OK && (result != STP_ERROR_MEMORY || h.device.lines != 1))
+            fail_msg("allocation %lu: %s, %u lines, the last: %s", n, stp_result_text(result),
+                     h.device.lines, h.device.last);
+        assert_true(result == STP_OK ? made.frame != NULL : !made.frame);
+        unmake(&made);
+        no_misuse(&h.fault, "hosted", live);
+    }
+    host_close(&h);
+    stp_scene_destroy(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_recording),
         cmocka_unit_test(test_failing),
+        cmocka_unit_test(test_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

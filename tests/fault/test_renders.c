@@ -4,6 +4,7 @@
 #include "subject.h"
 
 #include "base/memory.h"
+#include "pass/ellipses.h"
 
 /* What a caller gets for the VkResult. */
 static enum stp_result wanted(VkResult result)
@@ -143,6 +144,19 @@ static void test_out_of_sight(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* Ellipses and their clip lines have uploads of their own, mapped and staged. */
+static void test_ellipses(void **state)
+{
+    struct stp_scene *scene = random_scene(61, 12, true);
+    scene_own_groups(scene);
+    assert_true(scene->facts.phong > 0 && scene->facts.clip_lines > 0);
+    fail_every_allocation(scene, &compute);
+    find_faults().discrete(true);
+    fail_every_allocation(scene, &raster);
+    find_faults().discrete(false);
+    stp_scene_destroy(&scene);
+}
+
 /* The picture does not depend on whether the host sees the device's memory. */
 static void test_same_picture_out_of_sight(void **state)
 {
@@ -171,6 +185,7 @@ static const struct CMUnitTest more[] = {
     cmocka_unit_test(test_every_allocation),
     cmocka_unit_test(test_once),
     cmocka_unit_test(test_out_of_sight),
+    cmocka_unit_test(test_ellipses),
     cmocka_unit_test(test_same_picture_out_of_sight),
 };
 

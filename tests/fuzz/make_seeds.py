@@ -146,6 +146,19 @@ def make_ply():
              b"float radius", b"float red", b"float green", b"float blue", b"float opacity",
              b"uint input_index", b"ushort object", b"uchar group")) + b"end_header\n"
          + struct.pack("<3d8fIHB", 1, 2, 3, 0, 0, 1, .5, .1, .2, .3, .9, 0, 0, 1))
+    fields = [b"nx", b"ny", b"nz", b"tangent_x", b"tangent_y", b"tangent_z", b"radius_u",
+              b"radius_v", *(b"field_%d" % i for i in range(4))]
+    clips = [b"clip_%d_%s" % (line, axis) for line in range(2) for axis in (b"a", b"b", b"c")]
+    for name, lines in [("ellipses", 0), ("clipped", 2)]:
+        seed("ply", name + ".ply", b"ply\nformat binary_little_endian 1.0\n"
+             b"comment stipple prepared 1\ncomment stipple object 0 epsilon 0.125\n"
+             b"element vertex 2\n" + b"".join(b"property double %s\n" % p for p in (b"x", b"y", b"z"))
+             + b"".join(b"property float %s\n" % p for p in fields + (clips if lines else []))
+             + (b"property uchar clip_count\nproperty uchar clip_reflex\n" if lines else b"")
+             + b"end_header\n" + b"".join(
+                 struct.pack("<3d12f", i, 2, 3, 0, 0, 1, 1, 0, 0, .5, .25, 0, .1, .2, -.1)
+                 + (struct.pack("<6fBB", 1, 0, .5, 0, -1, .25, lines, i) if lines else b"")
+                 for i in range(2)))
     seed("ply", "objects.ply", "ply\nformat ascii 1.0\ncomment stipple prepared 1\n"
          "comment stipple object 0 epsilon 0.25\n"
          "comment stipple object 1 epsilon 1e-3 normals estimated\n"
@@ -351,6 +364,13 @@ def make_range():
         table = b"".join(struct.pack("<Q", len(start) + 32 + i * (8 + len(line))) for i in range(4))
         chunks = b"".join(struct.pack("<iI", i, len(line)) + line for i in range(4))
         seed("range", name + ".exr", name[:1].encode() + start + table + chunks)
+    pgm = b"P5 2 1 65535 " + bytes((0, 9, 1, 0))
+    for options in (0x00, 0x39, 0x72):
+        seed("range", "frame_%02x" % options, b"f" + struct.pack("<BH", options, len(pgm)) + pgm
+             + b"P6 2 1 200 " + bytes(range(6)))
+    deep = png(2, 1, 16, 0, [bytes(range(4))])
+    seed("range", "frame_png", b"f" + struct.pack("<BH", 8, len(deep)) + deep
+         + png(2, 1, 8, 2, [bytes(range(6))]))
     seed("range", "intrinsics.txt", "ifx 518\nfy 519 # so\ncx 1.5\ncy 2.5\n\ndepth_scale 1e3\n")
     seed("range", "poses.txt", "p# remark\n1 2 3 0 0 0 1\r\n-1 .5 2e3 0 0.6 0 0.8\n")
 

@@ -2,9 +2,9 @@
 #include "hard.h"
 
 static const struct hard_family *const families[] = {
-    &hard_coordinates, &hard_views,   &hard_splats,   &hard_normals, &hard_crowds,
-    &hard_sheets,      &hard_colors,  &hard_pictures, &hard_bits,    &hard_devices,
-    &hard_breaks,      &hard_samples, &hard_layers,   &hard_axis,
+    &hard_coordinates, &hard_views,    &hard_splats,   &hard_normals, &hard_crowds, &hard_sheets,
+    &hard_colors,      &hard_pictures, &hard_bits,     &hard_devices, &hard_breaks, &hard_samples,
+    &hard_layers,      &hard_axis,     &hard_ellipses, &hard_phong,   &hard_fits,   &hard_fits_flat,
 };
 #define FAMILIES (sizeof families / sizeof *families)
 
@@ -22,7 +22,7 @@ static const char usage[] =
     "usage: hard [--family NAME] [--case PART] [--seed N] [--size WxH] [--look AZ,EL]\n"
     "            [--points N] [--table FILE] [--pictures DIR] [--write DIR]\n"
     "Renders the hard cases every way and judges them; the family pyramid is the other\n"
-    "families' points by that method. Defaults: all, seed 1, 112x84,\n"
+    "families' points by that method, but for those of ellipses. Defaults: all, seed 1, 112x84,\n"
     "seen from 30,20 degrees, surfaces of 1500 points. --table appends Markdown rows,\n"
     "--pictures writes a PNG a case, --write the splats, the camera and every EXR.\n";
 
@@ -101,12 +101,14 @@ static void list_jobs(const struct hard_options *o, struct device *device, struc
     for (unsigned f = 0; f < FAMILIES; f++)
         for (unsigned i = 0; i < families[f]->count; i++) {
             bool volumes = families[f] == &hard_axis;
+            bool bent = families[f] == &hard_ellipses || families[f] == &hard_phong ||
+                        families[f] == &hard_fits || families[f] == &hard_fits_flat;
             struct job job = { o, device, families[f], &families[f]->cases[i],
                                volumes ? hard_judge_axis : hard_judge };
             if (wanted(o, families[f]->name, job.c))
                 add_job(jobs, &job);
             job.judge = hard_judge_pyramid;
-            if (!volumes && !job.c->run && wanted(o, "pyramid", job.c))
+            if (!volumes && !bent && !job.c->run && wanted(o, "pyramid", job.c))
                 add_job(jobs, &job);
         }
 }

@@ -4,6 +4,7 @@
 #define TEST_HARD_HARD_H
 
 #include "device.h"
+#include <stipple/fit.h>
 
 /* What the scenes are made from. Every case holds for every choice. */
 struct hard_options {
@@ -58,14 +59,15 @@ struct hard_family {
 };
 extern const struct hard_family hard_samples, hard_breaks, hard_coordinates, hard_views,
     hard_splats, hard_normals, hard_crowds, hard_sheets, hard_colors, hard_pictures, hard_bits,
-    hard_devices, hard_layers, hard_axis;
+    hard_devices, hard_layers, hard_axis, hard_ellipses, hard_phong, hard_fits, hard_fits_flat;
 
 /* points.c: points before they are prepared. */
 struct hard_points {
     size_t count, capacity;
     double (*position)[3];
     float (*normal)[3], *radius, (*color)[3], *opacity;
-    bool no_normals, no_radii, colored, faded;
+    struct stp_phong_splat *phong;
+    bool no_normals, no_radii, colored, faded, bent;
 };
 struct hard_points points_make(size_t capacity);
 void points_release(struct hard_points *cloud);
@@ -73,6 +75,10 @@ void points_release(struct hard_points *cloud);
 size_t points_add(struct hard_points *cloud, struct vec3 p, struct vec3 n, double radius);
 void points_paint(struct hard_points *cloud, size_t i, struct vec3 color);
 void points_fade(struct hard_points *cloud, size_t i, double opacity); /* others are opaque */
+/* To an ellipse whose u is at `angle`; for the caller to add a field and lines. Others are discs.
+ */
+struct stp_phong_splat *points_bend(struct hard_points *cloud, size_t i, double angle,
+                                    double radius_u, double radius_v);
 void points_move(struct hard_points *cloud, struct vec3 by);
 /* To positions that float32 holds: a plane through the eye is one then for every renderer. */
 void points_round(struct hard_points *cloud);
@@ -89,8 +95,19 @@ enum stp_result points_try(const struct stp_env *env, const struct hard_points *
  * orthographic, `distance` being what the picture is high. */
 struct stp_camera hard_look(const struct hard_options *o, struct vec3 target, double distance,
                             double fov_y);
+/* What the cloud is, rounded and with an epsilon of 0.02, as the camera sees it; releases it. */
+void hard_show(struct hard_scene *s, struct hard_points *cloud, struct stp_camera camera,
+               double min_splat);
 struct vec3 hard_towards_eye(const struct hard_options *o);
 double hard_random(uint32_t *seed); /* [0, 1) */
+struct vec3 hard_color(uint32_t *seed);
+/* The normal of a plane that holds the ray from 0 to p. */
+struct vec3 hard_edge_on(struct vec3 p, uint32_t *seed);
+/* sheets.c: 30 red discs face on and 30 green ones `gap` of epsilon behind them; depths are sums of
+ * powers of two, so that "at epsilon" is exact in every arithmetic. */
+#define HARD_SHEETS_EPSILON 0.125
+struct hard_points hard_sheets_make(double gap);
+struct stp_camera hard_sheets_camera(const struct hard_options *o);
 
 /* ways.c */
 struct hard_way {
@@ -102,9 +119,9 @@ struct hard_way {
 };
 #define HARD_WAYS 7
 extern const struct hard_way hard_ways[HARD_WAYS];
-/* Of transparent scenes; the first ones know glass. */
+/* Of transparent scenes; the first ones know glass and ellipses. */
 #define HARD_LAYER_WAYS 6
-#define HARD_GLASS_WAYS 3
+#define HARD_EXACT_WAYS 3
 extern const struct hard_way hard_layer_ways[HARD_LAYER_WAYS];
 /* Those that draw what the scene is. */
 const struct hard_way *hard_ways_of(const struct stp_scene *scene, unsigned *count);
@@ -119,6 +136,24 @@ struct stp_image *hard_reference(const struct stp_scene *scene, const struct stp
 /* The lesser PSNR of the normals' components and of depth over its own median; over pixels that
  * both cover. */
 double hard_psnr(const struct stp_image *image, const struct stp_image *truth);
+
+/* dB asked of fits: of `deferred`; of packed keys, where rims alone have weights that their 12 bits
+ * know to a per cent. */
+#define HARD_FIT_GROUPED 40
+#define HARD_FIT_PACKED  70
+/* fitted.c: the scene's points are fitted, and the fit is held to what it promises of every one. */
+struct stp_fit hard_fit(struct hard_scene *s, const struct hard_points *cloud, double epsilon,
+                        double tolerance);
+void hard_look_at_fit(const struct hard_options *o, struct hard_scene *s, struct vec3 target,
+                      double distance);
+/* A pixel's ray and what it shows, in the world. */
+struct hard_seen {
+    struct vec3 start, along; /* along: per unit of depth */
+    struct vec3 point, normal;
+    bool covered;
+};
+struct hard_seen hard_see(const struct hard_scene *s, const struct stp_image *image, uint32_t k);
+double hard_angle(struct vec3 a, struct vec3 b);
 
 /* keep.c */
 #define HARD_SLUG 96

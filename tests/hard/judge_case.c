@@ -137,7 +137,7 @@ static void print_row(const struct judging *j)
         twin = fmin(twin, j->outcome[w].twin);
     }
     for (unsigned w = j->way_count; j->ways == hard_layer_ways && w < HARD_LAYER_WAYS; w++)
-        fprintf(file, " |"); /* ways that do not draw glass */
+        fprintf(file, " |"); /* ways that draw neither glass nor ellipses */
     if (j->s.twin && j->c->twin == INFINITY)
         fprintf(file, " the same bits |\n");
     else if (j->s.twin && twin == INFINITY)

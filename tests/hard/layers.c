@@ -1,9 +1,10 @@
 /* Transparent layers: many, faint, unequal, from inside, at epsilon, too bright for half, of glass.
  * Depths, opacities and colours are such that what must come out is a formula. */
+#include "ellipses.h"
 #include "hard.h"
 #include "surroundings.h"
 
-#define EPSILON 0.125
+#define EPSILON HARD_SHEETS_EPSILON
 
 /* Discs face on, each as wide to the eye as the last: every pixel of the spot meets all of them. */
 static void add_sheets(struct hard_points *cloud, size_t count, double first, double gap,
@@ -76,17 +77,11 @@ static double check_stack(const struct hard_scene *s, const struct stp_image *im
 /* Two layers of 0.3 and 0.6, or one of their mean. */
 static void two(const struct hard_options *o, struct hard_scene *s, double gap)
 {
-    struct hard_points cloud = points_make(60);
-    for (int i = 0; i < 60; i++) {
-        double x = (i % 6 - 2.5) * 0.25, y = (i / 6 % 5 - 2) * 0.25;
-        bool front = i < 30;
-        size_t at =
-            points_add(&cloud, v3(x, y, front ? -4 : -4 - gap * EPSILON), v3(0, 0, 1), 0.25);
-        points_paint(&cloud, at, front ? v3(1, 0, 0) : v3(0, 1, 0));
-        points_fade(&cloud, at, front ? 0.3 : 0.6);
-    }
+    struct hard_points cloud = hard_sheets_make(gap);
+    for (size_t i = 0; i < cloud.count; i++)
+        points_fade(&cloud, i, i < 30 ? 0.3 : 0.6);
     show(o, s, &cloud, o->width, o->height);
-    s->camera = flat_camera(o->width, o->height, o->height / 1.5);
+    s->camera = hard_sheets_camera(o);
     bool one = gap <= 1;
     s->truth[0] = one ? 1 : 2;
     s->truth[1] = one ? 0.45 : 1 - 0.7 * 0.4;
@@ -137,6 +132,24 @@ static void varying(const struct hard_options *o, struct hard_scene *s)
     s->camera = hard_look(o, v3(0, 0, 0), 4.6, 30);
     s->params = (struct stp_render_params){ .min_splat = -1, .peel_layers = 400 };
     points_release(&cloud);
+}
+
+/* Ellipses with fields and lines, of any opacity. */
+static void ellipses(const struct hard_options *o, struct hard_scene *s)
+{
+    struct hard_points cloud = points_make(60);
+    uint32_t seed = o->seed;
+    for (int i = 0; i < 60; i++) {
+        double large = 0.6 * pow(10, -hard_random(&seed));
+        size_t at = points_add(&cloud, random_point(&seed, 1), v3_unit(random_point(&seed, 1)), 1);
+        struct stp_phong_splat *e =
+            points_bend(&cloud, at, 7 * hard_random(&seed), large, large * hard_random(&seed));
+        random_field(&seed, 0.8, e);
+        random_clips(&seed, e);
+        points_fade(&cloud, at, hard_random(&seed));
+    }
+    show(o, s, &cloud, o->width, o->height);
+    s->camera = hard_look(o, v3(0, 0, 0), 5, 30);
 }
 
 /* The eye at the centre of a ball of 0.4: one layer wherever it looks. */
@@ -290,6 +303,8 @@ static const struct hard_case cases[] = {
       check_stack, 0, 0, 0, 1, NULL, HARD_PYRAMID_POINTS },
     { "Varying opacity", "To rounding of the reference, layer by layer", varying, NULL, 0, 0, 0, 0,
       NULL, HARD_PYRAMID_POINTS },
+    { "Transparent ellipses", "To rounding: lines cut layers as they cut surfaces", ellipses, NULL,
+      0, 0, 0, 0, NULL, HARD_PYRAMID_POINTS },
     { "A closed surface seen from inside", "One layer of 0.4 in every pixel, none lost",
       from_inside, check_inside, 0, 0, 0, 0, NULL, HARD_PYRAMID_POINTS },
     { "Transparent sheets half of epsilon apart",

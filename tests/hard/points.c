@@ -1,3 +1,4 @@
+#include "ellipses.h"
 #include "hard.h"
 
 static void *must(void *pointer)
@@ -11,6 +12,12 @@ double hard_random(uint32_t *seed)
     return uniform(seed);
 }
 
+struct vec3 hard_color(uint32_t *seed)
+{
+    double r = hard_random(seed), g = hard_random(seed), b = hard_random(seed);
+    return v3(r, g, b);
+}
+
 struct hard_points points_make(size_t capacity)
 {
     size_t n = capacity + 1;
@@ -19,7 +26,8 @@ struct hard_points points_make(size_t capacity)
                                  .normal = must(calloc(n, sizeof(float[3]))),
                                  .radius = must(calloc(n, sizeof(float))),
                                  .color = must(calloc(n, sizeof(float[3]))),
-                                 .opacity = must(calloc(n, sizeof(float))) };
+                                 .opacity = must(calloc(n, sizeof(float))),
+                                 .phong = must(calloc(n, sizeof(struct stp_phong_splat))) };
 }
 
 void points_release(struct hard_points *cloud)
@@ -29,14 +37,8 @@ void points_release(struct hard_points *cloud)
     free(cloud->radius);
     free(cloud->color);
     free(cloud->opacity);
+    free(cloud->phong);
     *cloud = (struct hard_points){ 0 };
-}
-
-static void store(float out[3], struct vec3 v)
-{
-    out[0] = (float)v.x;
-    out[1] = (float)v.y;
-    out[2] = (float)v.z;
 }
 
 size_t points_add(struct hard_points *cloud, struct vec3 p, struct vec3 n, double radius)
@@ -44,10 +46,10 @@ size_t points_add(struct hard_points *cloud, struct vec3 p, struct vec3 n, doubl
     size_t i = cloud->count++;
     assert_true(i < cloud->capacity);
     memcpy(cloud->position[i], (double[3]){ p.x, p.y, p.z }, sizeof cloud->position[i]);
-    store(cloud->normal[i], n);
+    store(n, cloud->normal[i]);
     cloud->radius[i] = (float)radius;
     cloud->opacity[i] = 1;
-    store(cloud->color[i], v3(0.5, 0.5, 0.5));
+    store(v3(0.5, 0.5, 0.5), cloud->color[i]);
     return i;
 }
 
@@ -66,8 +68,16 @@ void points_fade(struct hard_points *cloud, size_t i, double opacity)
 
 void points_paint(struct hard_points *cloud, size_t i, struct vec3 color)
 {
-    store(cloud->color[i], color);
+    store(color, cloud->color[i]);
     cloud->colored = true;
+}
+
+struct stp_phong_splat *points_bend(struct hard_points *cloud, size_t i, double angle,
+                                    double radius_u, double radius_v)
+{
+    cloud->phong[i] = ellipse_across(cloud->normal[i], angle, radius_u, radius_v);
+    cloud->bent = true;
+    return &cloud->phong[i];
 }
 
 void points_move(struct hard_points *cloud, struct vec3 by)
@@ -81,7 +91,8 @@ void points_move(struct hard_points *cloud, struct vec3 by)
 
 static void swap_bytes(void *a, void *b, size_t size)
 {
-    char t[24];
+    char t[64];
+    assert_true(size <= sizeof t);
     memcpy(t, a, size);
     memcpy(a, b, size);
     memcpy(b, t, size);
@@ -95,6 +106,8 @@ void points_shuffle(struct hard_points *cloud, uint32_t seed)
         swap_bytes(cloud->normal[i - 1], cloud->normal[j], sizeof cloud->normal[j]);
         swap_bytes(&cloud->radius[i - 1], &cloud->radius[j], sizeof cloud->radius[j]);
         swap_bytes(cloud->color[i - 1], cloud->color[j], sizeof cloud->color[j]);
+        swap_bytes(&cloud->opacity[i - 1], &cloud->opacity[j], sizeof cloud->opacity[j]);
+        swap_bytes(&cloud->phong[i - 1], &cloud->phong[j], sizeof cloud->phong[j]);
     }
 }
 
@@ -144,7 +157,8 @@ enum stp_result points_try(const struct stp_env *env, const struct hard_points *
                                      cloud->no_normals ? NULL : (const float(*)[3])cloud->normal,
                                  .radius = cloud->no_radii ? NULL : cloud->radius,
                                  .color = cloud->colored ? (const float(*)[3])cloud->color : NULL,
-                                 .opacity = cloud->faded ? cloud->opacity : NULL };
+                                 .opacity = cloud->faded ? cloud->opacity : NULL,
+                                 .phong = cloud->bent ? cloud->phong : NULL };
     struct stp_object_params object = { .epsilon = epsilon };
     struct stp_scene *made = NULL;
     assert_int_equal(stp_scene_create(env, &made), STP_OK);
@@ -166,6 +180,11 @@ struct stp_scene *points_scene(const struct hard_points *cloud, double epsilon, 
     return scene;
 }
 
+struct vec3 hard_edge_on(struct vec3 p, uint32_t *seed)
+{
+    return v3_unit(v3_cross(v3_unit(v3_cross(p, random_point(seed, 1))), p));
+}
+
 struct vec3 hard_towards_eye(const struct hard_options *o)
 {
     return v3(cos(o->rise) * sin(o->turn), sin(o->rise), cos(o->rise) * cos(o->turn));
@@ -181,4 +200,14 @@ struct stp_camera hard_look(const struct hard_options *o, struct vec3 target, do
     camera.near_depth = 1e-4 * distance;
     look_at(&camera, v3_add(target, v3_scale(hard_towards_eye(o), distance)), target);
     return camera;
+}
+
+void hard_show(struct hard_scene *s, struct hard_points *cloud, struct stp_camera camera,
+               double min_splat)
+{
+    points_round(cloud);
+    s->scene = points_scene(cloud, 0.02, 2);
+    s->camera = camera;
+    s->params = (struct stp_render_params){ .min_splat = min_splat };
+    points_release(cloud);
 }

@@ -1,21 +1,29 @@
-/* Two sheets before one another, epsilon being an eighth: depths are sums of powers of two, so that
- * "at epsilon" is exact in every arithmetic. */
+/* Two sheets before one another, nearer and farther than epsilon. */
 #include "hard.h"
 
-#define EPSILON 0.125
-
-static void two_sheets(const struct hard_options *o, struct hard_scene *s, double gap)
+struct hard_points hard_sheets_make(double gap)
 {
     struct hard_points cloud = points_make(60);
     for (int i = 0; i < 60; i++) {
         double x = (i % 6 - 2.5) * 0.25, y = (i / 6 % 5 - 2) * 0.25;
         bool front = i < 30;
-        size_t at =
-            points_add(&cloud, v3(x, y, front ? -4 : -4 - gap * EPSILON), v3(0, 0, 1), 0.25);
+        double z = front ? -4 : -4 - gap * HARD_SHEETS_EPSILON;
+        size_t at = points_add(&cloud, v3(x, y, z), v3(0, 0, 1), 0.25);
         points_paint(&cloud, at, front ? v3(1, 0, 0) : v3(0, 1, 0));
     }
-    s->scene = points_scene(&cloud, EPSILON, 2);
-    s->camera = flat_camera(o->width, o->height, o->height / 1.5);
+    return cloud;
+}
+
+struct stp_camera hard_sheets_camera(const struct hard_options *o)
+{
+    return flat_camera(o->width, o->height, o->height / 1.5);
+}
+
+static void two_sheets(const struct hard_options *o, struct hard_scene *s, double gap)
+{
+    struct hard_points cloud = hard_sheets_make(gap);
+    s->scene = points_scene(&cloud, HARD_SHEETS_EPSILON, 2);
+    s->camera = hard_sheets_camera(o);
     s->params = (struct stp_render_params){ .min_splat = -1, .aovs = STP_AOV_ALBEDO };
     s->truth[0] = gap;
     points_release(&cloud);
@@ -40,14 +48,15 @@ static void farther(const struct hard_options *o, struct hard_scene *s)
  * where the front alone counts, the back leaves no trace. Steps of packed depth: 2^-8 epsilon. */
 static double check(const struct hard_scene *s, const struct stp_image *image)
 {
-    double share = s->truth[0] <= 1 ? 0.5 : 0, depth = 4 + share * s->truth[0] * EPSILON, worst = 0;
+    double share = s->truth[0] <= 1 ? 0.5 : 0,
+           depth = 4 + share * s->truth[0] * HARD_SHEETS_EPSILON, worst = 0;
     for (uint32_t i = 0; i < image->width * image->height; i++) {
         uint32_t px = i % image->width, py = i / image->width;
         if (!isfinite(value(image, "Z", px, py)))
             continue;
         double green = fabs(value(image, "albedo.G", px, py) - share);
         double z = fabs(value(image, "Z", px, py) - depth);
-        worst = fmax(worst, fmax(green / 1e-5, z / (EPSILON / 256)));
+        worst = fmax(worst, fmax(green / 1e-5, z / (HARD_SHEETS_EPSILON / 256)));
     }
     return worst;
 }

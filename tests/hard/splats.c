@@ -8,10 +8,10 @@ static void edge_on(const struct hard_options *o, struct hard_scene *s, double m
     uint32_t seed = o->seed;
     for (int i = 0; i < 40; i++) {
         struct vec3 p = v3_add(random_point(&seed, 0.7), v3(0, 0, -3 - 0.1 * i));
-        struct vec3 u = v3_unit(v3_cross(p, random_point(&seed, 1)));
+        struct vec3 n = hard_edge_on(p, &seed);
         double tilt = i % 4 == 0 ? 0.3 : i % 4 == 1 ? 1e-8 * hard_random(&seed) : 0;
-        struct vec3 n = v3_sub(v3_unit(v3_cross(u, p)), v3_scale(v3_unit(p), tilt));
-        points_add(&cloud, p, v3_unit(n), 0.2 + 0.3 * hard_random(&seed));
+        n = v3_unit(v3_sub(n, v3_scale(v3_unit(p), tilt)));
+        points_add(&cloud, p, n, 0.2 + 0.3 * hard_random(&seed));
     }
     points_round(&cloud);
     s->scene = points_scene(&cloud, 0.02, 2);

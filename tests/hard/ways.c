@@ -26,8 +26,8 @@ const struct hard_way hard_layer_ways[HARD_LAYER_WAYS] = {
 
 const struct hard_way *hard_ways_of(const struct stp_scene *scene, unsigned *count)
 {
-    bool glass = scene->environment.map.width > 0;
-    *count = !scene->facts.transparent ? HARD_WAYS : glass ? HARD_GLASS_WAYS : HARD_LAYER_WAYS;
+    bool exactly = scene->environment.map.width > 0 || scene->facts.phong > 0;
+    *count = !scene->facts.transparent ? HARD_WAYS : exactly ? HARD_EXACT_WAYS : HARD_LAYER_WAYS;
     return scene->facts.transparent ? hard_layer_ways : hard_ways;
 }
 

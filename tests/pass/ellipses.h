@@ -11,16 +11,23 @@ static inline void store(struct vec3 v, float out[3])
     out[2] = (float)v.z;
 }
 
-/* Of the splat's normal as it is stored: u at `angle` in its plane. */
-static inline struct stp_phong_splat ellipse(const struct stp_scene *scene, size_t i, double angle,
-                                             double radius_u, double radius_v)
+/* u at `angle` in the normal's plane. */
+static inline struct stp_phong_splat ellipse_across(const float normal[3], double angle,
+                                                    double radius_u, double radius_v)
 {
     struct stp_phong_splat p = { .radius = { (float)radius_u, (float)radius_v } };
-    struct vec3 n = v3_unit(v3_loadf(scene->splats.normal[i]));
+    struct vec3 n = v3_unit(v3_loadf(normal));
     struct vec3 a = v3_unit(v3_cross(n, fabs(n.x) < 0.7 ? v3(1, 0, 0) : v3(0, 1, 0)));
     struct vec3 b = v3_cross(n, a);
     store(v3_add(v3_scale(a, cos(angle)), v3_scale(b, sin(angle))), p.u);
     return p;
+}
+
+/* Of the splat's normal as it is stored. */
+static inline struct stp_phong_splat ellipse(const struct stp_scene *scene, size_t i, double angle,
+                                             double radius_u, double radius_v)
+{
+    return ellipse_across(scene->splats.normal[i], angle, radius_u, radius_v);
 }
 
 static inline void random_field(uint32_t *seed, double size, struct stp_phong_splat *p)

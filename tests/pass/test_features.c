@@ -177,6 +177,56 @@ static void test_fifty_groups(void **state)
     device_close(&device);
 }
 
+/* Opaque; transparent; every third splat opaque. */
+static struct stp_scene *veiled_cloud(int kind)
+{
+    const size_t count = 60;
+    struct fixture *f = fixture_create(0.05);
+    struct stp_scene *scene = scene_make(count, 1, 0.05);
+    fill_randomly(f, 38, count);
+    for (size_t i = 0; i < count; i++) {
+        struct vec3 n = v3_loadf(f->normal[i]);
+        scene_add(scene, v3_load(f->position[i]), v3_length(n) > 0 ? n : v3(0, 1, 0), f->radius[i]);
+        if (kind > 0)
+            scene_fade(scene, i, kind == 1 || i % 3 ? 0.4f : 1);
+    }
+    scene_finish(scene);
+    free(f);
+    return scene;
+}
+
+/* Slots read through addresses hold the same bits as slots read as texels: opaque, in layers, with
+ * some of the splats opaque, packed and by id. */
+static void test_without_texel_buffers(void **state)
+{
+    struct device device;
+    device_open(&device, 0);
+    struct stp_camera camera = hard_view(0, 33, 25);
+    for (int i = 0; i < 6; i++) {
+        struct stp_scene *scene = veiled_cloud(i / 2);
+        struct stp_render_params p = { .aovs = 127,
+                                       .min_splat = 4,
+                                       .method = STP_METHOD_EXACT,
+                                       .payload = i & 1 ? STP_PAYLOAD_ID : STP_PAYLOAD_PACKED };
+        struct stp_plan *fetched = NULL, *plain = NULL;
+        assert_int_equal(device_plan(&device, scene, &camera, &p, &fetched), STP_OK);
+        p.mask_features = STP_FEATURE_TEXEL_BUFFERS;
+        assert_int_equal(device_plan(&device, scene, &camera, &p, &plain), STP_OK);
+        assert_int_equal(fetched->resource[plan_find(fetched, PLAN_KEYS)].format,
+                         PLAN_TEXELS_RG32UI);
+        assert_int_equal(plain->resource[plan_find(plain, PLAN_KEYS)].format, PLAN_BUFFER);
+        struct stp_image *a = device_render_plan(&device, scene, fetched);
+        struct stp_image *b = device_render_plan(&device, scene, plain);
+        expect_same_bits(a, b, "slots as texels, slots by address");
+        stp_image_destroy(&a);
+        stp_image_destroy(&b);
+        stp_plan_destroy(&fetched);
+        stp_plan_destroy(&plain);
+        stp_scene_destroy(&scene);
+    }
+    device_close(&device);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -187,6 +237,7 @@ int main(void)
         cmocka_unit_test(test_without_storage_formats),
         cmocka_unit_test(test_vertex_layer),
         cmocka_unit_test(test_fifty_groups),
+        cmocka_unit_test(test_without_texel_buffers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

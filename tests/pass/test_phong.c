@@ -91,6 +91,34 @@ static void test_tilts(void **state)
     }
 }
 
+/* Across the whole view and beyond, 10^6 times as long as wide: clipping rounds the triangles that
+ * the rasteriser draws them by, and still no pixel of them is lost. */
+static void test_needles(void **state)
+{
+    const struct stp_render_params raster = { .method = STP_METHOD_TWO_PASS,
+                                              .path = STP_PATH_RASTER,
+                                              .min_splat = -1 };
+    struct stp_camera camera = plain_camera(112, 84, 134.4);
+    for (uint32_t k = 1; k < 4; k++) {
+        struct stp_scene *scene = scene_make(60, 1, 0.02);
+        uint32_t seed = k;
+        for (int i = 0; i < 60; i++) {
+            double aspect = pow(10, i % 7);
+            struct vec3 p = v3_add(random_point(&seed, 1.2), v3(0, 0, -4));
+            struct vec3 n = v3_add(random_point(&seed, 0.8), v3(0, 0, 1));
+            size_t at = scene_add(scene, v3((float)p.x, (float)p.y, (float)p.z), n, 1);
+            struct stp_phong_splat e = ellipse(scene, at, 7 * uniform(&seed), 0.05 * aspect, 0.05);
+            random_field(&seed, 0.5, &e);
+            scene_bend(scene, at, &e);
+            float r = (float)uniform(&seed), g = (float)uniform(&seed), b = (float)uniform(&seed);
+            scene_paint(scene, at, r, g, b);
+        }
+        scene_finish(scene);
+        expect_reference(&device, scene, &camera, &raster, &float_tolerance, "needles");
+        stp_scene_destroy(&scene);
+    }
+}
+
 /* The ground below the eye, longer than wide, with a field and a line across it. */
 static void test_across_near(void **state)
 {
@@ -123,9 +151,8 @@ static void test_across_near(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_random_views),
-        cmocka_unit_test(test_floors),
-        cmocka_unit_test(test_tilts),
+        cmocka_unit_test(test_random_views), cmocka_unit_test(test_floors),
+        cmocka_unit_test(test_tilts),        cmocka_unit_test(test_needles),
         cmocka_unit_test(test_across_near),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

@@ -16,14 +16,14 @@ static void ellipsoids_by_compute(void **state)
     struct inputs in = range_inputs();
     struct stp_plan *plan = plan_of(&in);
     assert_int_equal(plan->method, STP_METHOD_AXIS);
-    assert_int_equal(plan->constant[PLAN_ELLIPSOIDS], 1);
+    assert_int_equal(plan->constant[PLAN_AXIS_SHAPE], 1);
     assert_int_equal(plan->constant[PLAN_UNLIT], 1);
     assert_int_equal(resource_named(plan, "kernels")->bytes, 80 * plan->facts.splats);
     assert_int_equal(resource_named(plan, "projected")->bytes, 64 * plan->facts.splats);
     assert_int_equal(plan_find(plan, PLAN_MATERIALS), PLAN_NONE); /* nothing is lit */
     assert_int_equal(plan->constant[PLAN_AXIS_CUT], 0);           /* nothing is near the eye */
     char *text = stp_plan_print(plan);
-    assert_non_null(strstr(text, " ellipsoids=1"));
+    assert_non_null(strstr(text, " axis_shape=1"));
     free(text);
     stp_plan_destroy(&plan);
     look_at(&in.camera, v3(0, 0, 0.1), v3(0, 0.1, -1));
@@ -43,14 +43,14 @@ static void others_pay_nothing(void **state)
     stp_limits_lavapipe(&in.limits);
     look_at(&in.camera, v3(0, 0, 40), v3(0, 0, 0));
     struct stp_plan *plan = plan_of(&in);
-    assert_int_equal(plan->constant[PLAN_ELLIPSOIDS], 0);
+    assert_int_equal(plan->constant[PLAN_AXIS_SHAPE], 0);
     assert_int_equal(resource_named(plan, "kernels")->bytes, 32 * plan->facts.splats);
     assert_int_equal(resource_named(plan, "projected")->bytes, 32 * plan->facts.splats);
     stp_plan_destroy(&plan);
     release_inputs(&in);
     in = plain_inputs();
     plan = plan_of(&in);
-    assert_int_equal(plan->constant[PLAN_ELLIPSOIDS], 0);
+    assert_int_equal(plan->constant[PLAN_AXIS_SHAPE], 0);
     stp_plan_destroy(&plan);
     release_inputs(&in);
 }

@@ -96,6 +96,25 @@ static void test_one_tile_where_it_fits(void **state)
     release_inputs(&in);
 }
 
+/* Slots that are fetched as texels are no more than a device must hold of those. */
+static void test_texels(void **state)
+{
+    for (int fetched = 0; fetched < 2; fetched++) {
+        struct inputs in = plain_inputs();
+        in.params.method = STP_METHOD_EXACT;
+        in.params.mask_features = fetched ? 0 : STP_FEATURE_TEXEL_BUFFERS;
+        in.limits.heap_bytes = in.limits.max_allocation = (uint64_t)1 << 34;
+        in.camera.width = in.camera.height = 2048;
+        struct stp_plan *plan = plan_of(&in);
+        const struct plan_resource *slots = &plan->resource[plan_find(plan, PLAN_KEYS)];
+        assert_int_equal(slots->format, fetched ? PLAN_TEXELS_RG32UI : PLAN_BUFFER);
+        assert_true(!fetched || slots->bytes / 8 <= PLAN_MOST_TEXELS);
+        assert_int_equal(plan->tile_count, fetched ? 2 : 1);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
 /* The device's own limits cut as well: its heap, its largest allocation and image. */
 static void test_limits_of_the_device(void **state)
 {
@@ -150,6 +169,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_partition),
+        cmocka_unit_test(test_texels),
         cmocka_unit_test(test_one_tile_where_it_fits),
         cmocka_unit_test(test_limits_of_the_device),
         cmocka_unit_test(test_too_large_for_the_device),

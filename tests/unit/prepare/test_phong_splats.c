@@ -212,6 +212,34 @@ static void tangents_are_straightened(void **state)
     assert_true(p.radius[0] == 2 && p.radius[1] == 4);
 }
 
+/* Of any size that a float holds: the same directions and the same lines, of squares that float32
+ * holds; and once is enough. */
+static void extremes_are_scaled(void **state)
+{
+    static const float sizes[] = { 1e-40f, 1e-20f, 1, 1e14f, 1e20f, 3e38f };
+    const float n[3] = { 0, 0, 1 };
+    for (unsigned i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        float z = sizes[i];
+        const struct stp_phong_splat given = { .u = { 1, 0, 0 },
+                                               .radius = { 1, 2 },
+                                               .field = { z, -z / 2, z / 8, 0 },
+                                               .clip = { { z, z / 4, -z / 16 } },
+                                               .clips = 1 };
+        struct stp_phong_splat p = given, again;
+        assert_true(phong_clean(&p, n));
+        for (int k = 0; k < 4; k++)
+            assert_true(isfinite(p.field[k] * p.field[k]) &&
+                        p.field[k] / p.field[0] == given.field[k] / given.field[0]);
+        for (int k = 0; k < 3; k++)
+            assert_true(p.clip[0][k] / p.clip[0][0] == given.clip[0][k] / given.clip[0][0] &&
+                        isnormal(p.clip[0][k]) && isfinite(p.clip[0][k] * p.clip[0][k]));
+        assert_true(z > 1e15f || memcmp(p.field, given.field, sizeof p.field) == 0);
+        assert_true(!(z > 1e-15f && z < 1e15f) || memcmp(&p, &given, sizeof p) == 0);
+        again = p;
+        assert_true(phong_clean(&again, n) && memcmp(&again, &p, sizeof p) == 0);
+    }
+}
+
 /* Against the most over many points of the disc: never below, and hardly above. */
 static void support_is_the_most(void **state)
 {
@@ -372,6 +400,7 @@ int main(void)
         cmocka_unit_test(file_reads_back),
         cmocka_unit_test(bad_ones_are_discs),
         cmocka_unit_test(tangents_are_straightened),
+        cmocka_unit_test(extremes_are_scaled),
         cmocka_unit_test(support_is_the_most),
         cmocka_unit_test(discs_need_no_array),
         cmocka_unit_test(discs_beside_ellipses),

@@ -13,6 +13,7 @@
 #include <unistd.h>
 
 #include <cmocka.h>
+#include <stipple/scene.h>
 #include <stipple/view.h>
 
 #include "../log_book.h"
@@ -45,6 +46,20 @@ static inline int remove_folder(void **state)
     char line[128];
     snprintf(line, sizeof line, "rm -r %s", (const char *)*state);
     return system(line);
+}
+
+/* Loads a file of the folder, "" the folder itself: one error line when it fails, else a scene. */
+static inline enum stp_result load_named(const char *folder, const char *name,
+                                         const struct stp_load_params *params,
+                                         struct log_book *book, struct stp_scene **scene)
+{
+    char path[PATH_MAX];
+    struct stp_env env = logged_env(book, 0);
+    *scene = NULL;
+    enum stp_result result = stp_scene_load(&env, in_folder(folder, name, path), params, scene);
+    assert_int_equal(book->errors, result != STP_OK);
+    assert_true((*scene != NULL) == (result == STP_OK));
+    return result;
 }
 
 #endif

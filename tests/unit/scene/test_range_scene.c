@@ -27,19 +27,6 @@ static void put_pictures(const char *folder, const char *depth, const char *colo
     assert_int_equal(fclose(file), 0);
 }
 
-static enum stp_result load(const char *folder, const char *name,
-                            const struct stp_load_params *params, struct log_book *book,
-                            struct stp_scene **scene)
-{
-    char path[PATH_MAX];
-    struct stp_env env = logged_env(book, 0);
-    *scene = NULL;
-    enum stp_result result = stp_scene_load(&env, in_folder(folder, name, path), params, scene);
-    assert_int_equal(book->errors, result != STP_OK);
-    assert_true((*scene != NULL) == (result == STP_OK));
-    return result;
-}
-
 static void put_folder(const char *folder)
 {
     char path[PATH_MAX];
@@ -57,7 +44,7 @@ static void a_folder(void **state)
     struct stp_scene *scene;
     struct stp_camera camera;
     put_folder(*state);
-    assert_int_equal(load(*state, "", NULL, &book, &scene), STP_OK);
+    assert_int_equal(load_named(*state, "", NULL, &book, &scene), STP_OK);
     const struct stp_facts *f = stp_scene_facts(scene);
     assert_true(f->range.frames == 2 && f->points == 2 * SIDE * SIDE && f->up == STP_UP_NEG_Y);
     assert_true(stp_scene_camera(scene, 0, 0, &camera));
@@ -69,7 +56,7 @@ static void a_folder(void **state)
     stp_scene_destroy(&scene);
     char path[PATH_MAX];
     unlink(in_folder(*state, "color/2.ppm", path));
-    assert_int_equal(load(*state, "", NULL, &book, &scene), STP_ERROR_FORMAT);
+    assert_int_equal(load_named(*state, "", NULL, &book, &scene), STP_ERROR_FORMAT);
     assert_non_null(strstr(book.error, "no color/2.png"));
 }
 
@@ -80,7 +67,7 @@ static void discs(void **state)
     struct stp_scene *scene;
     struct stp_load_params params = { .range = { .splats = STP_RANGE_DISCS } };
     put_folder(*state);
-    assert_int_equal(load(*state, "", &params, &book, &scene), STP_OK);
+    assert_int_equal(load_named(*state, "", &params, &book, &scene), STP_OK);
     assert_null(scene->volume);
     assert_int_equal(stp_scene_prepare(NULL, scene, NULL), STP_OK);
     const struct splats *s = &scene->splats;
@@ -105,7 +92,7 @@ static struct stp_scene *expect_json(const char *folder, const char *text)
     struct stp_scene *scene;
     put_pictures(folder, "d.pgm", "c.ppm", 2000, SIDE);
     put_file(folder, "s.json", text);
-    if (load(folder, "s.json", NULL, &book, &scene) != STP_OK || book.warnings)
+    if (load_named(folder, "s.json", NULL, &book, &scene) != STP_OK || book.warnings)
         fail_msg("%s%s", book.error, book.warning);
     return scene;
 }
@@ -179,7 +166,7 @@ static void what_is_refused(void **state)
         struct log_book book;
         struct stp_scene *scene;
         put_file(*state, "s.json", wrong[i][0]);
-        assert_int_not_equal(load(*state, "s.json", NULL, &book, &scene), STP_OK);
+        assert_int_not_equal(load_named(*state, "s.json", NULL, &book, &scene), STP_OK);
         if (!strstr(book.error, wrong[i][1]))
             fail_msg("%zu: '%s' does not say '%s'", i, book.error, wrong[i][1]);
     }
@@ -191,13 +178,13 @@ static void colours_that_it_has_not(void **state)
     struct stp_scene *scene;
     struct stp_load_params params = { .color_by = "height" };
     put_folder(*state);
-    assert_int_equal(load(*state, "", &params, &book, &scene), STP_ERROR_ARGUMENT);
+    assert_int_equal(load_named(*state, "", &params, &book, &scene), STP_ERROR_ARGUMENT);
     assert_non_null(strstr(book.error, "rgb or views"));
     params =
         (struct stp_load_params){ .color_by = "views", .range = { .splats = STP_RANGE_DISCS } };
-    assert_int_equal(load(*state, "", &params, &book, &scene), STP_ERROR_ARGUMENT);
+    assert_int_equal(load_named(*state, "", &params, &book, &scene), STP_ERROR_ARGUMENT);
     params.range.splats = STP_RANGE_AUTO;
-    assert_int_equal(load(*state, "", &params, &book, &scene), STP_OK);
+    assert_int_equal(load_named(*state, "", &params, &book, &scene), STP_OK);
     assert_true(scene->volume->range.by_views);
     stp_scene_destroy(&scene);
 }

@@ -13,19 +13,6 @@ static void put_raw(const char *folder, const char *name)
     assert_int_equal(fclose(file), 0);
 }
 
-static enum stp_result load(const char *folder, const char *name,
-                            const struct stp_load_params *params, struct log_book *book,
-                            struct stp_scene **scene)
-{
-    char path[PATH_MAX];
-    struct stp_env env = logged_env(book, 0);
-    *scene = NULL;
-    enum stp_result result = stp_scene_load(&env, in_folder(folder, name, path), params, scene);
-    assert_int_equal(book->errors, result != STP_OK);
-    assert_true((*scene != NULL) == (result == STP_OK));
-    return result;
-}
-
 static void by_a_description_beside_the_file(void **state)
 {
     struct log_book book;
@@ -33,7 +20,7 @@ static void by_a_description_beside_the_file(void **state)
     put_raw(*state, "v.raw");
     put_file(*state, "volumes.json",
              "{\"v.raw\": {\"dims\": [2,3,4], \"dtype\": \"uint8\", \"spacing\": [1,1,2]}}");
-    assert_int_equal(load(*state, "v.raw", NULL, &book, &scene), STP_OK);
+    assert_int_equal(load_named(*state, "v.raw", NULL, &book, &scene), STP_OK);
     const struct stp_facts *f = stp_scene_facts(scene);
     assert_int_equal(f->points, 24);
     assert_int_equal(f->volume.dims[2], 4);
@@ -48,14 +35,14 @@ static void by_the_callers_dims(void **state)
     struct stp_scene *scene;
     struct stp_load_params params = { .volume = { .dims = { 4, 3, 1 }, .type = STP_VOXEL_U16 } };
     put_raw(*state, "v.raw");
-    assert_int_equal(load(*state, "v.raw", &params, &book, &scene), STP_OK);
+    assert_int_equal(load_named(*state, "v.raw", &params, &book, &scene), STP_OK);
     assert_true(stp_scene_facts(scene)->volume.high == 22 + 256 * 23);
     stp_scene_destroy(&scene);
     params.volume.dims[0] = 5;
-    assert_int_equal(load(*state, "v.raw", &params, &book, &scene), STP_ERROR_FORMAT);
+    assert_int_equal(load_named(*state, "v.raw", &params, &book, &scene), STP_ERROR_FORMAT);
     assert_non_null(strstr(book.error, "30 bytes"));
     params.volume = (struct stp_volume_params){ 0 };
-    assert_int_equal(load(*state, "v.raw", &params, &book, &scene), STP_ERROR_FORMAT);
+    assert_int_equal(load_named(*state, "v.raw", &params, &book, &scene), STP_ERROR_FORMAT);
     assert_non_null(strstr(book.error, "--volume-dims"));
 }
 
@@ -69,7 +56,7 @@ static void by_a_scene_file(void **state)
              "{\"up\": \"z\", \"volume\": {\"file\": \"v.raw\", \"dims\": [2,3,4], \"type\": "
              "\"u8\", \"spacing\": [1,2,3], \"transfer_function\": \"tf.json\", "
              "\"unshaded\": true}}");
-    assert_int_equal(load(*state, "s.json", NULL, &book, &scene), STP_OK);
+    assert_int_equal(load_named(*state, "s.json", NULL, &book, &scene), STP_OK);
     assert_int_equal(book.warnings, 0);
     assert_true(scene->volume->unshaded && scene->volume->transfer.point[0].value == 3);
     assert_int_equal(scene->facts.up, STP_UP_Z);
@@ -77,7 +64,7 @@ static void by_a_scene_file(void **state)
     put_file(*state, "s.json",
              "{\"volume\": {\"file\": \"v.raw\", \"dims\": [2,3,4], \"transfer_function\": "
              "{\"name\": \"own\", \"points\": [{\"value\": 5, \"opacity\": 1}]}}}");
-    assert_int_equal(load(*state, "s.json", NULL, &book, &scene), STP_OK);
+    assert_int_equal(load_named(*state, "s.json", NULL, &book, &scene), STP_OK);
     assert_string_equal(scene->volume->transfer.name, "own");
     assert_false(scene->volume->automatic);
     stp_scene_destroy(&scene);
@@ -104,7 +91,7 @@ static void what_does_not_go_together(void **state)
         struct log_book book;
         struct stp_scene *scene;
         put_file(*state, "s.json", wrong[i][0]);
-        assert_int_not_equal(load(*state, "s.json", NULL, &book, &scene), STP_OK);
+        assert_int_not_equal(load_named(*state, "s.json", NULL, &book, &scene), STP_OK);
         if (!strstr(book.error, wrong[i][1]))
             fail_msg("'%s' does not say '%s'", book.error, wrong[i][1]);
     }

@@ -1,0 +1,129 @@
+/* What a host's frame does not draw is refused, by resident and frame alike, in one line that names
+ * it; nothing is made, and the next frame is. */
+#include "stage.h"
+
+#include <stipple/volume.h>
+
+static const struct stp_host_frame_params formats = { .color_format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                      .depth_format = VK_FORMAT_D32_SFLOAT };
+
+static void one_line(const struct engine *e, unsigned before, const char *words)
+{
+    if (e->lines != before + 1 || !strstr(e->last, words))
+        fail_msg("%u lines, the last \"%s\"; one with \"%s\" is wanted", e->lines - before, e->last,
+                 words);
+}
+
+static void expect_refused(struct stage *s, const struct stp_scene *scene,
+                           const struct stp_plan *plan, const char *words)
+{
+    struct engine *e = &s->engine;
+    const struct stp_resident_params none = { 0 };
+    struct stp_resident *resident = NULL;
+    struct stp_frame *frame = NULL;
+    VkMemoryRequirements needs = { .size = 77 };
+    unsigned lines = e->lines;
+    assert_int_equal(stp_resident_create(&e->env, s->context, scene, plan, &none, &resident),
+                     STP_ERROR_ARGUMENT);
+    one_line(e, lines, words);
+    assert_int_equal(stp_frame_create(&e->env, s->context, plan, &formats, &frame),
+                     STP_ERROR_ARGUMENT);
+    one_line(e, lines + 1, words);
+    assert_int_equal(stp_frame_scratch(&e->env, s->context, plan, &formats, &needs),
+                     STP_ERROR_ARGUMENT);
+    one_line(e, lines + 2, words);
+    assert_null(resident);
+    assert_null(frame);
+    assert_int_equal(needs.size, 77);
+}
+
+/* The plan can be made, for pictures of our own. */
+static void refuse(struct stage *s, struct stp_scene *scene, const struct stp_render_params *params,
+                   const char *words)
+{
+    struct stp_camera camera = stage_view(scene, WIDTH, HEIGHT, 0.3);
+    struct stp_plan *plan = stage_plan(&s->engine, s->context, scene, &camera, params);
+    expect_refused(s, scene, plan, words);
+    stp_plan_destroy(&plan);
+}
+
+static void test_methods(void **state)
+{
+    struct stage s;
+    stage_open(&s, formats.color_format, formats.depth_format, NULL);
+    refuse(&s, s.scene, &(struct stp_render_params){ .method = STP_METHOD_PYRAMID },
+           "method pyramid is not drawn into a host's frame; use");
+    refuse(&s, s.scene, &(struct stp_render_params){ .method = STP_METHOD_REFERENCE },
+           "method reference draws on no device");
+    stage_close(&s);
+}
+
+static void test_transparencies(void **state)
+{
+    static const struct {
+        enum stp_transparency transparency;
+        const char *words;
+    } ways[] = { { STP_TRANSPARENCY_FAST,
+                   "transparency fast is not drawn into a host's frame; use exact" },
+                 { STP_TRANSPARENCY_NEAREST,
+                   "transparency nearest is not drawn into a host's frame; use exact" },
+                 { STP_TRANSPARENCY_PEEL,
+                   "transparency peel is not drawn into a host's frame; use exact" } };
+    struct stage s;
+    stage_open(&s, formats.color_format, formats.depth_format, NULL);
+    struct stp_scene *faded = stage_ball(&s.engine, 300, true, 1, 0.5f);
+    assert_int_equal(stp_scene_cover(&s.engine.env, faded, NULL), STP_OK);
+    for (unsigned i = 0; i < sizeof ways / sizeof *ways; i++)
+        refuse(&s, faded, &(struct stp_render_params){ .transparency = ways[i].transparency },
+               ways[i].words);
+    stp_scene_destroy(&faded);
+    stage_close(&s);
+}
+
+static void test_volumes(void **state)
+{
+    float value[4 * 4 * 4];
+    for (unsigned i = 0; i < 64; i++)
+        value[i] = (float)i;
+    const struct stp_volume volume = { { 4, 4, 4 }, { 0.2, 0.2, 0.2 }, { 0 }, value };
+    const struct stp_volume_params shown = { .transfer_function = "grey" };
+    struct stp_scene *scene = NULL;
+    struct stage s;
+    stage_open(&s, formats.color_format, formats.depth_format, NULL);
+    const struct stp_env *env = &s.engine.env;
+    assert_int_equal(stp_scene_create(env, &scene), STP_OK);
+    assert_int_equal(stp_scene_set_volume(env, scene, &volume, &shown), STP_OK);
+    assert_int_equal(stp_scene_prepare(env, scene, NULL), STP_OK);
+    refuse(&s, scene, &(struct stp_render_params){ .method = STP_METHOD_AXIS },
+           "volumes are not drawn into a host's frame");
+    stp_scene_destroy(&scene);
+    stage_close(&s);
+}
+
+/* None of it is left behind: a frame that is drawn can be made after. */
+static void test_next_is_drawn(void **state)
+{
+    struct stage s;
+    stage_open(&s, formats.color_format, formats.depth_format, NULL);
+    const struct stp_render_params exact = { .method = STP_METHOD_EXACT };
+    refuse(&s, s.scene, &(struct stp_render_params){ .method = STP_METHOD_PYRAMID }, "pyramid");
+    struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &exact);
+    struct stp_resident *resident =
+        stage_resident(&s.engine, s.context, s.scene, plan, &(struct stp_resident_params){ 0 });
+    struct stp_frame *frame = stage_frame(&s.engine, s.context, plan, &formats);
+    stp_frame_destroy(&frame);
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
+    stage_close(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(test_methods),
+        cmocka_unit_test(test_transparencies),
+        cmocka_unit_test(test_volumes),
+        cmocka_unit_test(test_next_is_drawn),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
