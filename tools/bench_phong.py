@@ -6,20 +6,21 @@
   tools/bench_phong.py frames MODEL... [--counts N,N...] [--rounds N]
   tools/bench_phong.py fit MODEL... [--counts N,N...] [--rounds N]
 
-A model is a file, or a smooth shape of 400,000 points: sphere, torus, cushion (x^4 + y^4 + z^4 = 1).
-All splats are made by `stipple prepare --fit-count`, the constant ones of the same patches, and drawn
-with the epsilon of their fit. An error is the mean absolute difference of linear RGB over covered pixels, 1024 x 1024, against the
-picture of the whole cloud.
+A model is a file, or a smooth shape of 400,000 points: sphere, torus, cushion
+(x^4 + y^4 + z^4 = 1). All splats are made by `stipple prepare --fit-count`, the constant ones of
+the same patches, and drawn with the epsilon of their fit. An error is the mean absolute difference
+of linear RGB over covered pixels, 1024 x 1024, against the picture of the whole cloud.
 
 curve: the error by the number of splats, of: Phong (linear fields, averaged, shaded once: our
 default), Phong blended (linear fields, each fragment shaded, then blended: the paper's), averaged
 (constant normals, averaged, shaded once: the default of discs), blended (constant normals, shaded,
 then blended: what the paper compares with), flat (the nearest splat's normal, nothing blended).
 Then how many constant splats reach the error of each number of Phong splats. exponent: the error
-falls as the count to this power, between the least and the most splats. limit: what no splat of
-so many points can be better at, whatever made it and blended with nothing: the angle, root mean
-square, between the normals of a point's nearest neighbours and the linear field, and the constant
-normal, that is nearest to them; and how many constant splats have the angle of a linear one. frames: milliseconds
+falls as the count to this power, between the least and the most splats. limit: what round
+splats of so many points can do at best, whatever made them and blended with nothing: the angle,
+root mean square, between the normals of a point's nearest neighbours and the linear field, and the
+constant normal, that is nearest to them; and how many constant splats have the angle of a linear
+one. frames: milliseconds
 of a warm frame of Phong splats, and of as many blended ones as have the same error. fit: points a
 second. Times are the medians of the rounds. Edges: tools/bench_phong_edges.py.
 """
