@@ -141,8 +141,8 @@ void sums_take(inout Sums s, bool counts, Term t, Rank near, float part)
         s.alpha += counts ? t.alpha : 0l;
     if ((AOVS & 2) != 0)
         s.fragments -= kept;
-    if (KEY_IDS || !PACKED)
-        s.near_encoded = t.rank.low == near.low ? t.encoded : s.near_encoded;
+    if (KEY_IDS || !PACKED) // a slot that holds nothing may show an older frame's id
+        s.near_encoded = counts && t.rank.low == near.low ? t.encoded : s.near_encoded;
 }
 
 // Their opacity; where the weights vanish, that of the nearest.
