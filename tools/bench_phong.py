@@ -1,19 +1,26 @@
 #!/usr/bin/env python3
 """Botsch, Spernat and Kobbelt's comparison on models of your own, as Markdown (docs/phong.md).
 
-  tools/bench_phong.py curve FILE... [--counts N,N...] [--view AZ,EL] [--method M]
-  tools/bench_phong.py frames FILE... [--counts N,N...] [--rounds N]
-  tools/bench_phong.py fit FILE... [--counts N,N...] [--rounds N]
+  tools/bench_phong.py curve MODEL... [--counts N,N...] [--view AZ,EL] [--method M]
+  tools/bench_phong.py limit MODEL... [--counts N,N...]
+  tools/bench_phong.py frames MODEL... [--counts N,N...] [--rounds N]
+  tools/bench_phong.py fit MODEL... [--counts N,N...] [--rounds N]
 
-All splats are made by `stipple prepare --fit-count`, and drawn with the epsilon of their fit. An
-error is the mean absolute difference of linear RGB over covered pixels, 1024 x 1024, against the
-picture of the whole cloud.
+A model is a file, or a smooth shape of 400,000 points: sphere, torus, cushion
+(x^4 + y^4 + z^4 = 1). All splats are made by `stipple prepare --fit-count`, the constant ones of
+the same patches, and drawn with the epsilon of their fit. An error is the mean absolute difference
+of linear RGB over covered pixels, 1024 x 1024, against the picture of the whole cloud.
 
 curve: the error by the number of splats, of: Phong (linear fields, averaged, shaded once: our
 default), Phong blended (linear fields, each fragment shaded, then blended: the paper's), averaged
 (constant normals, averaged, shaded once: the default of discs), blended (constant normals, shaded,
 then blended: what the paper compares with), flat (the nearest splat's normal, nothing blended).
-Then how many constant splats reach the error of each number of Phong splats. frames: milliseconds
+Then how many constant splats reach the error of each number of Phong splats. exponent: the error
+falls as the count to this power, between the least and the most splats. limit: what round
+splats of so many points can do at best, whatever made them and blended with nothing: the angle,
+root mean square, between the normals of a point's nearest neighbours and the linear field, and the
+constant normal, that is nearest to them; and how many constant splats have the angle of a linear
+one. frames: milliseconds
 of a warm frame of Phong splats, and of as many blended ones as have the same error. fit: points a
 second. Times are the medians of the rounds. Edges: tools/bench_phong_edges.py.
 """
@@ -21,13 +28,59 @@ import argparse
 import json
 import math
 import os
+import random
 import re
 import statistics
+import struct
 import subprocess
 import tempfile
 
+import bench_phong_limit
+
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
+
+
+# --- smooth shapes: position and normal of two numbers in [0, 1) ---------------------------------
+def on_sphere(a, b):
+    z, angle = 2 * a - 1, 2 * math.pi * b
+    r = math.sqrt(1 - z * z)
+    n = (r * math.cos(angle), r * math.sin(angle), z)
+    return n, n
+
+
+def on_torus(a, b):
+    """Not even in area: by angles."""
+    u, v = 2 * math.pi * a, 2 * math.pi * b
+    n = (math.cos(u) * math.cos(v), math.sin(u) * math.cos(v), math.sin(v))
+    return (math.cos(u) + 0.4 * n[0], math.sin(u) + 0.4 * n[1], 0.4 * n[2]), n
+
+
+def on_cushion(a, b):
+    d, _ = on_sphere(a, b)
+    length = sum(x ** 4 for x in d) ** 0.25
+    p = tuple(x / length for x in d)
+    slope = math.sqrt(sum(x ** 6 for x in p))
+    return p, tuple(x ** 3 / slope for x in p)
+
+
+SHAPES = {"sphere": on_sphere, "torus": on_torus, "cushion": on_cushion}
+SHAPE_POINTS = 400000
+
+
+def model_file(model, folder):
+    """The file itself; of a shape, one that is written."""
+    if model not in SHAPES:
+        return model
+    path, dice = os.path.join(folder, model + ".ply"), random.Random(1)
+    with open(path, "wb") as out:
+        out.write(b"ply\nformat binary_little_endian 1.0\nelement vertex %d\n" % SHAPE_POINTS)
+        out.write(b"".join(b"property double %c\n" % c for c in b"xyz"))
+        out.write(b"".join(b"property float n%c\n" % c for c in b"xyz") + b"end_header\n")
+        for _ in range(SHAPE_POINTS):
+            p, n = SHAPES[model](dice.random(), dice.random())
+            out.write(struct.pack("<3d3f", *p, *n))
+    return path
 
 
 def run(*arguments):
@@ -35,10 +88,17 @@ def run(*arguments):
 
 
 def fit(file, count, out, flat=False):
-    """The splats that came out, and the milliseconds that it took."""
+    """The splats that came out, and the tolerance that it took."""
     told = run("prepare", file, "-o", out, "--fit-count", str(count), *(["--fit-flat"] * flat))
-    found = re.search(r"(\d+) points -> (\d+) splats.* (\d+) ms", told.stderr)
-    return int(found[2]), int(found[1]), float(found[3])
+    found = re.search(r"-> (\d+) splats, tolerance ([^,]+),", told.stderr)
+    return int(found[1]), found[2]
+
+
+def fit_both(file, count, phong, flat):
+    """Splats of linear fields, and of constant normals for the same patches: how many."""
+    splats, tolerance = fit(file, count, phong)
+    run("prepare", file, "-o", flat, "--fit", tolerance, "--fit-flat")
+    return splats
 
 
 def render(file, arguments, out, camera, more=()):
@@ -76,11 +136,11 @@ def measure(file, arguments, folder):
     clouds = {flat: os.path.join(folder, f"few{flat}.ply") for flat in (False, True)}
     rows = []
     for count in arguments.counts:
-        splats = {flat: fit(file, count, cloud, flat)[0] for flat, cloud in clouds.items()}
+        splats = fit_both(file, count, clouds[False], clouds[True])
         row = {}
         for name, flat, more in WAYS:
             render(clouds[flat], arguments, out, camera, more)
-            row[name] = (splats[flat], error(out, truth))
+            row[name] = (splats, error(out, truth))
         rows.append(row)
     return rows
 
@@ -94,6 +154,11 @@ def reaching(rows, name, wanted):
             share = math.log(a / wanted) / math.log(a / b)
             return n * (m / n) ** share
     return None
+
+
+def exponent(rows, name):
+    (few, a), (many, b) = rows[0][name], rows[-1][name]
+    return math.log(b / a) / math.log(many / few) if many > few else math.nan
 
 
 def equal_cell(rows, name, splats, wanted):
@@ -110,6 +175,7 @@ def print_curve(file, rows):
     print("|---" * (len(names) + 1) + "|")
     for row in rows:
         print(f"| {row['Phong'][0]} | {' | '.join(f'{row[n][1]:.5f}' for n in names)} |")
+    print(f"| exponent | {' | '.join(f'{exponent(rows, n):.2f}' for n in names)} |")
     print(f"\n{os.path.basename(file)}, splats for equal error\n\n| {' | '.join(names)} |")
     print("|---" * len(names) + "|", flush=True)
     for row in rows:
@@ -120,8 +186,15 @@ def print_curve(file, rows):
 
 def curve(arguments):
     with tempfile.TemporaryDirectory() as folder:
-        for file in arguments.file:
-            print_curve(file, measure(file, arguments, folder))
+        for model in arguments.model:
+            print_curve(model, measure(model_file(model, folder), arguments, folder))
+
+
+def limits(arguments):
+    with tempfile.TemporaryDirectory() as folder:
+        for model in arguments.model:
+            bench_phong_limit.print_limits(STIPPLE, os.path.basename(model), model_file(model, folder),
+                                           arguments.counts)
 
 
 def frame_ms(cloud, arguments, folder, more):
@@ -157,7 +230,8 @@ def frames(arguments):
     print("| model | splats, Phong | error | ms | splats, blended | error | ms | blended / Phong |")
     print("|---" * 8 + "|")
     with tempfile.TemporaryDirectory() as folder:
-        for file in arguments.file:
+        for model in arguments.model:
+            file = model_file(model, folder)
             few = os.path.join(folder, "few.ply")
             out = os.path.join(folder, "out.exr")
             truth, camera = render_truth(file, arguments, folder)
@@ -172,14 +246,15 @@ def frames(arguments):
                         more = WAYS[0][2] if cloud == few else WAYS[3][2]
                         times[cloud].append(frame_ms(cloud, arguments, folder, more))
                 a, b = (statistics.median(t) for t in times.values())
-                print(f"| {os.path.basename(file)} | {phong} | {wanted:.5f} | {a:.1f} | {many} | "
+                print(f"| {os.path.basename(model)} | {phong} | {wanted:.5f} | {a:.1f} | {many} | "
                       f"{reached:.5f} | {b:.1f} | {b / a:.2f} |", flush=True)
 
 
 def fits(arguments):
     print("| model | splats | points a second |\n|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
-        for file in arguments.file:
+        for model in arguments.model:
+            file = model_file(model, folder)
             for count in arguments.counts:
                 told = run("prepare", file, "-o", os.path.join(folder, "few.ply"), "--fit-count",
                            str(count)).stderr
@@ -190,14 +265,14 @@ def fits(arguments):
                                tolerance).stderr
                     found = re.search(r"(\d+) points -> (\d+) splats.* (\d+) ms", told)
                     rates.append(1e3 * int(found[1]) / float(found[3]))
-                print(f"| {os.path.basename(file)} | {found[2]} | {statistics.median(rates):.0f} |")
+                print(f"| {os.path.basename(model)} | {found[2]} | {statistics.median(rates):.0f} |")
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["curve", "frames", "fit"])
-    parser.add_argument("file", nargs="+")
+    parser.add_argument("what", choices=["curve", "limit", "frames", "fit"])
+    parser.add_argument("model", nargs="+")
     parser.add_argument("--counts", type=lambda text: [int(n) for n in text.split(",")],
                         help="default: 1000,3000,10000,30000,100000; frames: 3000,10000")
     parser.add_argument("--view", default="35,15")
@@ -207,7 +282,7 @@ def main():
     if not arguments.counts:
         few = arguments.what == "frames"
         arguments.counts = [3000, 10000] if few else [1000, 3000, 10000, 30000, 100000]
-    {"curve": curve, "frames": frames, "fit": fits}[arguments.what](arguments)
+    {"curve": curve, "limit": limits, "frames": frames, "fit": fits}[arguments.what](arguments)
 
 
 if __name__ == "__main__":

@@ -61,13 +61,6 @@ bool point_pixel(Splat s, out uvec2 pixel, out vec2 offset)
            all(lessThan(at, ivec2(frame.grid_width, frame.grid_height)));
 }
 
-// Of a key. The minimum changes no depth: lavapipe loses a 32-bit atomic whose value is nothing but a
-// float's bits.
-uint key_depth(float depth)
-{
-    return min(depth_order(depth), 0x7f800000u);
-}
-
 // Keys of pixels lie in blocks of 8 x 8.
 uint grid_index(uvec2 p)
 {

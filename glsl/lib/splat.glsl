@@ -271,11 +271,13 @@ bool footprint_hit(Footprint f, Phong e, vec2 d, out Fragment fragment)
     return form <= den * den && fragment_seen(e, fragment);
 }
 
-// A depth as bits that order as it does, and are positive as an int too (STP_SUMS_NONE says why):
-// depths of orthographic views may be negative, so they are taken above the scene's nearest.
+// A depth as bits that order as it does: depths of orthographic views may be negative, so they are
+// taken above the scene's nearest. The minimum changes no depth. It makes the value an integer's:
+// Mesa 22.3's lavapipe does a 32-bit atomic in the type of the instruction that made its value, and
+// a minimum of floats never replaces a word whose bits are a NaN's.
 uint depth_order(float depth)
 {
-    return floatBitsToUint(ORTHOGRAPHIC ? max(depth - frame.depth_low, 0) : depth);
+    return min(floatBitsToUint(ORTHOGRAPHIC ? max(depth - frame.depth_low, 0) : depth), 0x7f800000u);
 }
 
 float depth_ordered(uint order)

@@ -21,8 +21,8 @@ layout(local_size_x = STP_GROUP) in;
 const uint COLUMNS = STP_BLOCK, ROWS = STP_AXIS_ROWS;
 const uint TURN = 8;                // entries a turn of the loop
 // Of a picture's whole: what less light adds is left out. In sorted order that is below rounding;
-// orders along axes are off by far more than 2^-13 (docs/results/axis.md).
-const float DARK = 1.0 / (1 << 20), DIM = 1.0 / (1 << 13);
+// orders along axes are off by far more than 2^-17 (docs/results/axis.md).
+const float DARK = 1.0 / (1 << 20), DIM = 1.0 / (1 << 17);
 const uint SORTED = STP_AXIS_MERGE_BLEND + 3; // frame.axis.merge counts on as enum stp_axis_merge does
 const float NOTHING = -1.0 / 0.0;   // log2 of no optical depth
 

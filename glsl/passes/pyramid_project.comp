@@ -22,7 +22,7 @@ void project(uint index)
     bool seen = point_load(index, s);
     if (!point_pixel(s, pixel, offset) || !seen)
         return;
-    uint at = grid_index(pixel), depth = key_depth(s.center.z), id = push_first + index;
+    uint at = grid_index(pixel), depth = depth_order(s.center.z), id = push_first + index;
 #ifdef WITH_ATOMIC64
     atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | id);
 #else

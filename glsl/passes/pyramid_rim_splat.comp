@@ -21,7 +21,7 @@ void visit(Texel t, float crowd, uint code, uvec2 p)
     bool empty = state >= STP_RIM && state != STP_NO_POINT;
     if (!rim_hit(t, crowd, rim_position(p), z) || !empty)
         return;
-    uint depth = key_depth(z);
+    uint depth = depth_order(z);
 #ifdef WITH_ATOMIC64
     atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | code);
 #elif defined(NEAREST_ID)

@@ -50,7 +50,7 @@
 #define STP_TAG_INVISIBLE 64u         /* opacity 0: it has no fragments */
 #define STP_TAG_OPAQUE    128u        /* opacity 1, in a scene that is transparent elsewhere */
 #define STP_NO_NORMAL     0x80008000u /* of a point: no octahedral normal is packed to this */
-#define STP_NO_POINT      0x7fffffffu /* key words of a pixel that no point fell into; positive ints */
+#define STP_NO_POINT      0x7fffffffu /* key words of a pixel that no point fell into */
 #define STP_RIM_DEPTH     0x7f800001u /* then, of one that the push left empty: farther than all */
 #define STP_RIM_NONE      0x7ffffffeu
 #define STP_RIM           0x60000000u /* added to the pixel whose point reaches one from outside */
@@ -80,8 +80,8 @@
 #define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
 #define STP_DEEP_FLOATS        5
 #define STP_DEEP_MENDED        0x80000000u /* the ray is mended: its layers come a turn each */
-/* Sums with no fragment: depth +Inf, id the largest int. Both halves are positive as ints, since
- * Mesa 22.3's lavapipe takes a 32-bit unsigned atomicMin for a signed one. */
+/* Sums with no fragment: depth +Inf, id the largest int. Neither half is a NaN of a depth's, see
+ * depth_order in glsl/lib/splat.glsl. */
 #define STP_SUMS_NONE 0x7f8000007ffffffful
 
 /* Words of the work buffer: indirect arguments, then counters, then the block flags and list. */

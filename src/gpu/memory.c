@@ -102,10 +102,17 @@ enum stp_result memory_allocate(const struct stp_env *env, struct stp_context *c
     return STP_OK;
 }
 
+/* What a resource is aligned to in a block: every kind at the granularity, so that none shares a
+ * page with another kind. */
+static VkDeviceSize alignment(const struct stp_context *context, const VkMemoryRequirements *needs)
+{
+    return needs->alignment > context->granularity ? needs->alignment : context->granularity;
+}
+
 struct gpu_memory_part memory_take(const struct stp_context *context, struct gpu_block *block,
                                    const VkMemoryRequirements *needs)
 {
-    VkDeviceSize align = memory_alignment(context, needs);
+    VkDeviceSize align = alignment(context, needs);
     VkDeviceSize at = (block->used + align - 1) / align * align;
     block->used = at + needs->size;
     struct gpu_memory_part part = block->part;
@@ -117,15 +124,10 @@ struct gpu_memory_part memory_take(const struct stp_context *context, struct gpu
     return part;
 }
 
-VkDeviceSize memory_alignment(const struct stp_context *context, const VkMemoryRequirements *needs)
-{
-    return needs->alignment > context->granularity ? needs->alignment : context->granularity;
-}
-
 void gpu_needs_add(const struct stp_context *context, const VkMemoryRequirements *needs,
                    VkMemoryRequirements *sum)
 {
-    VkDeviceSize align = memory_alignment(context, needs);
+    VkDeviceSize align = alignment(context, needs);
     sum->size = (sum->size + align - 1) / align * align + needs->size;
     sum->alignment = align > sum->alignment ? align : sum->alignment;
     sum->memoryTypeBits &= needs->memoryTypeBits;

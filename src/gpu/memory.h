@@ -7,9 +7,6 @@
 enum stp_result memory_allocate(const struct stp_env *env, struct stp_context *context,
                                 const VkMemoryRequirements *needs, enum gpu_memory kind,
                                 const char *what, struct gpu_memory_part *part);
-/* What a resource is aligned to in a block: every kind at the granularity, so that none shares a
- * page with another kind. */
-VkDeviceSize memory_alignment(const struct stp_context *context, const VkMemoryRequirements *needs);
 /* The next part of a block. */
 struct gpu_memory_part memory_take(const struct stp_context *context, struct gpu_block *block,
                                    const VkMemoryRequirements *needs);

@@ -38,7 +38,14 @@ static bool is_plainly_255(const struct summary *s)
     return s->max >= 16 && s->max <= 255 && (s->whole || s->above_one * 2 > s->finite);
 }
 
-struct encoding color_encoding(const float *value, size_t count, enum scale scale)
+/* What a component means: value / divisor, and whether it was an integer. */
+struct encoding {
+    double divisor;
+    bool integer;
+    bool guessed; /* a float column taken as 0..255 */
+};
+
+static struct encoding find_encoding(const float *value, size_t count, enum scale scale)
 {
     if (scale == SCALE_LINEAR)
         return (struct encoding){ .divisor = 1 };
@@ -130,7 +137,7 @@ void color_decode(const struct stp_env *env, const char *path, float (*color)[3]
     bool as_is = transfer == STP_TRANSFER_LINEAR && scale == SCALE_FLOAT;
     struct encoding e = { .divisor = 1 };
     if (!as_is)
-        e = color_encoding(color[0], count * 3, scale);
+        e = find_encoding(color[0], count * 3, scale);
     if (e.guessed)
         log_warning(env,
                     "%s: float colours reach beyond 1 and look like 0..255: read as sRGB of 8 bits "
@@ -148,7 +155,7 @@ bool opacity_decode(const struct stp_env *env, const char *path, float *opacity,
 {
     if (scale == SCALE_LINEAR)
         return false;
-    struct encoding e = color_encoding(opacity, count, scale);
+    struct encoding e = find_encoding(opacity, count, scale);
     bool unset = e.integer;
     for (size_t i = 0; i < count && unset; i++)
         unset = opacity[i] == 0;

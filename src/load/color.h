@@ -14,14 +14,6 @@ enum scale {
     SCALE_TEXT,       /* no type was declared: whole numbers above 1 are integers, else floats */
 };
 
-/* What a component means: value / divisor, and whether it was an integer. */
-struct encoding {
-    double divisor;
-    bool integer;
-    bool guessed; /* a float column taken as 0..255 */
-};
-struct encoding color_encoding(const float *value, size_t count, enum scale scale);
-
 double color_from_srgb(double encoded); /* IEC 61966-2-1; odd about 0, continued above 1 */
 
 /* In place, raw to linear. */

@@ -35,12 +35,6 @@ struct pass_resources {
 
 #define PASS_MOST_COLORS 4
 
-struct pass_words {
-    const uint32_t *words;
-    size_t bytes;
-};
-struct pass_words pass_shader(enum plan_shader shader, bool float64);
-
 /* constants.c: the frame block of one tile, addresses filled in. */
 struct stp_frame_constants pass_constants(const struct stp_plan *plan,
                                           const struct pass_resources *resources,

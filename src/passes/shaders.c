@@ -4,22 +4,22 @@
 
 #include "shader_list.h"
 
+struct words {
+    const uint32_t *words;
+    size_t bytes;
+};
+
 /* In the order of enum plan_shader; [1] is compiled with double. */
-static const struct pass_words shaders[][2] = { { { 0 } },
+static const struct words shaders[][2] = { { { 0 } },
 #define SHADER(name)                                                                               \
     { { spv_f32_##name, sizeof spv_f32_##name }, { spv_f64_##name, sizeof spv_f64_##name } },
-                                                SHADER_LIST };
+                                           SHADER_LIST };
 _Static_assert(sizeof shaders / sizeof *shaders == PLAN_SHADERS, "one variant a plan_shader");
-
-struct pass_words pass_shader(enum plan_shader shader, bool float64)
-{
-    return shaders[shader][float64];
-}
 
 VkResult pass_module(struct stp_context *context, const struct stp_plan *plan,
                      enum plan_shader shader, VkShaderModule *module)
 {
-    struct pass_words words = pass_shader(shader, plan->constant[PLAN_FLOAT64] != 0);
+    struct words words = shaders[shader][plan->constant[PLAN_FLOAT64] != 0];
     VkShaderModuleCreateInfo info = { .sType = VK_STRUCTURE_TYPE_SHADER_MODULE_CREATE_INFO,
                                       .codeSize = words.bytes,
                                       .pCode = words.words };

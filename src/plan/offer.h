@@ -113,6 +113,5 @@ enum stp_result plan_try(const struct stp_env *env, const struct stp_scene *scen
 
 /* quantise.c: a fragment as the device's keys hold it. */
 void plan_quantise_packed(const struct stp_plan *plan, struct probe_fragment *fragment);
-double plan_kernel(const struct stp_plan *plan, double rho2);
 
 #endif

@@ -3,7 +3,7 @@
 
 #include <math.h>
 
-double plan_kernel(const struct stp_plan *plan, double rho2)
+static double kernel(const struct stp_plan *plan, double rho2)
 {
     return plan->params.kernel == STP_KERNEL_GAUSS ? exp(-2 * rho2) : fmax(0, 1 - rho2);
 }
@@ -33,6 +33,6 @@ void plan_quantise_packed(const struct stp_plan *plan, struct probe_fragment *f)
     double step = fmin(fmax(floor((f->depth - low) * scale), 0), 16777215);
     f->depth = low + (step + 0.5) / scale;
     f->rho2 = floor(f->rho2 * 4095 + 0.5) / 4095;
-    f->weight = plan_kernel(plan, f->rho2);
+    f->weight = kernel(plan, f->rho2);
     f->normal = octahedral(f->normal);
 }

@@ -6,6 +6,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "prepare/normals.h"
 
 #define WEIGHTS      4096
 #define NO_COMPONENT UINT32_MAX
@@ -30,15 +31,10 @@ struct edges {
     size_t (*bins)[WEIGHTS]; /* a block: counts, then where the next edge of a weight goes */
 };
 
-static bool is_unknown(const float n[3])
-{
-    return n[0] == 0 && n[1] == 0 && n[2] == 0;
-}
-
 /* An edge that both ends list is that of the lower one. */
 static bool owns_edge(const struct edges *e, size_t i, uint32_t j)
 {
-    if (j == NO_NEIGHBOUR || is_unknown(e->surface->normal[j]))
+    if (j == NO_NEIGHBOUR || normal_is_unknown(e->surface->normal[j]))
         return false;
     if (i < j)
         return true;
@@ -66,7 +62,7 @@ static void edge_range(void *context, size_t begin, size_t end, unsigned worker)
     struct edges *e = context;
     size_t *bins = e->bins[begin / e->block];
     for (size_t i = begin; i < end; i++)
-        for (unsigned k = 0; k < SURROUND_GRAPH && !is_unknown(e->surface->normal[i]); k++) {
+        for (unsigned k = 0; k < SURROUND_GRAPH && !normal_is_unknown(e->surface->normal[i]); k++) {
             uint32_t j = e->surface->neighbour[i][k];
             if (!owns_edge(e, i, j))
                 continue;
@@ -244,7 +240,7 @@ static size_t number_components(const struct surface *s, uint32_t *root, uint32_
     memset(scratch, 0xff, s->count * sizeof *scratch);
     for (size_t i = 0; i < s->count; i++) {
         uint32_t *number = &scratch[root[i]];
-        bool known = !is_unknown(s->normal[i]);
+        bool known = !normal_is_unknown(s->normal[i]);
         if (known && *number == NO_COMPONENT)
             *number = (uint32_t)components++;
         root[i] = known ? *number : NO_COMPONENT;

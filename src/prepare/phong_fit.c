@@ -16,6 +16,7 @@
 #include "scene/scene.h"
 
 #define SEARCH 24   /* fits that a count may take */
+#define STALLS 3    /* of them, larger tolerances in turn that leave no fewer splats */
 #define NEAR   0.98 /* of the count asked: near enough */
 
 struct fitting {
@@ -90,12 +91,15 @@ static enum stp_result search_count(struct fitting *f, double count)
 {
     struct bracket b = { 0 };
     double tolerance = first_tolerance(&f->cloud, count);
-    for (int i = 0; i < SEARCH && b.high_count < NEAR * count; i++) {
+    int stalls = 0;
+    for (int i = 0; i < SEARCH && b.high_count < NEAR * count && stalls < STALLS; i++) {
         struct patch_set set = { 0 };
+        double before = b.low_count;
         enum stp_result result = cover_at(f, tolerance, &set);
         if (result != STP_OK)
             return result;
         judge(f, &b, tolerance, count, &set);
+        stalls = b.high_count == 0 && before > 0 && b.low_count > 0.99 * before ? stalls + 1 : 0;
         if (b.low_count > 0 && b.high_count > 0 && b.high < b.low * 1.0005)
             break;
         tolerance = next_tolerance(&b, count);

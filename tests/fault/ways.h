@@ -16,7 +16,7 @@ static const struct way {
     { "two-pass by raster", { .method = STP_METHOD_TWO_PASS, .path = STP_PATH_RASTER } },
     { "deferred by compute", { .method = STP_METHOD_DEFERRED, .path = STP_PATH_COMPUTE } },
     { "deferred by raster", { .method = STP_METHOD_DEFERRED, .path = STP_PATH_RASTER } },
-    { "pyramid", { .method = STP_METHOD_PYRAMID } },
+    { "pyramid", { .method = STP_METHOD_PYRAMID, .cull = STP_CULL_BACK } },
     { "reference", { .method = STP_METHOD_REFERENCE } },
 };
 #define WAYS (sizeof ways / sizeof *ways)

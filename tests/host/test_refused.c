@@ -95,7 +95,7 @@ static void test_volumes(void **state)
     assert_int_equal(stp_scene_set_volume(env, scene, &volume, &shown), STP_OK);
     assert_int_equal(stp_scene_prepare(env, scene, NULL), STP_OK);
     refuse(&s, scene, &(struct stp_render_params){ .method = STP_METHOD_AXIS },
-           "volumes are not drawn into a host's frame");
+           "method axis is not drawn into a host's frame");
     stp_scene_destroy(&scene);
     stage_close(&s);
 }
