@@ -100,13 +100,14 @@ static void open_border(const struct hard_options *o, struct hard_scene *s)
     points_release(&cloud);
 }
 
-/* The least ellipse about a set reaches over a line that bounds it by a third of the set's height
- * at most (John; a half disc does), and no patch is higher than the square. It is made larger by
- * half a distance to the 6th neighbour and a little, that is a spacing; as much again for samples
- * at random. The square itself is covered, at its own depth. */
+/* A least ellipse reaches farthest past the side of a triangle, of all convex shapes: by a third of
+ * its height (John: half of the ellipse lies within the shape), and patches of a square may be
+ * triangles of its height. It is made larger by half a distance to the 6th neighbour and a little,
+ * that is a spacing; as much again for samples at random. The square itself is covered, at its own
+ * depth. */
 static double check_border(const struct hard_scene *s, const struct stp_image *image)
 {
-    double most = 0.5 + 1 / 3.0 + 2 * s->truth[6], worst = 0;
+    double most = 0.5 + 1.0 / 3 + 2 * s->truth[6], worst = 0;
     for (uint32_t k = 0; k < image->width * image->height; k++) {
         struct hard_seen seen = hard_see(s, image, k);
         struct vec3 p = in_square(s, &seen);
@@ -234,9 +235,8 @@ static const struct hard_case cases[] = {
       "The front's own plane and normal, to rounding: no splat holds samples of both sides", thin,
       check_thin, HARD_FIT_GROUPED, 0, 0, 0, NULL, 0 },
     { "An open border",
-      "The square is covered, in its plane; nothing is drawn farther off than a third of its side, "
-      "by "
-      "which the least ellipse about a part of it may overhang, and two spacings",
+      "The square is covered, in its plane; nothing is drawn farther off than a least ellipse may "
+      "reach past a triangle's side, and two spacings",
       open_border, check_border, HARD_FIT_GROUPED, 0, 0, 0, NULL, 0 },
     { "Normals of 85 degrees in a flat fit",
       "The plane to the tolerance, and no normal past a right angle from it", steep, check_steep,
