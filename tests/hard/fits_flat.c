@@ -103,8 +103,9 @@ static void open_border(const struct hard_options *o, struct hard_scene *s)
 /* A least ellipse reaches farthest past the side of a triangle, of all convex shapes: by a third of
  * its height (John: half of the ellipse lies within the shape), and patches of a square may be
  * triangles of its height. It is made larger by half a distance to the 6th neighbour and a little,
- * that is a spacing; as much again for samples at random. The square itself is covered, at its own
- * depth. */
+ * that is a spacing; as much again for samples at random. (A third is proven where the axes
+ * are free or along the side; the fit's are given by the normals.) The square itself is covered, at
+ * its own depth. */
 static double check_border(const struct hard_scene *s, const struct stp_image *image)
 {
     double most = 0.5 + 1.0 / 3 + 2 * s->truth[6], worst = 0;
