@@ -150,8 +150,9 @@ static enum stp_result group(struct choosing *c, struct auto_candidate *candidat
 /* Nothing more needs to be looked at. margin: how far within the bound is far enough. */
 static bool settled(const struct choosing *c, const struct estimate *e, double margin)
 {
-    bool sure = e->error.spread <= SURE * e->high;
-    return (sure && e->high * margin <= c->bound) || e->low > c->bound || isinf(e->high);
+    const struct probe_tally *t = &e->error.tally;
+    bool sure = e->error.spread <= SURE * e->high, all = t->n > 0 && t->cells >= t->all_cells;
+    return all || (sure && e->high * margin <= c->bound) || e->low > c->bound || isinf(e->high);
 }
 
 /* Part after part of the cells, until they settle it or none is left: then nothing is sampled. */

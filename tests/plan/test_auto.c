@@ -330,40 +330,63 @@ static void test_refused(void **state)
     release_inputs(&in);
 }
 
-static void test_no_memory(void **state)
+/* Every allocation of a choice fails in turn: one line, and nothing is touched. */
+static void fail_each(const struct inputs *in)
 {
     enum stp_result result = STP_ERROR_MEMORY;
     for (unsigned long n = 1; result != STP_OK; n++) {
-        struct inputs in = wavy();
         struct plan_log log = { 0 };
         struct stp_env env = { .threads = 1, .log = plan_keep_line, .user = &log };
         struct stp_choice choice = { .count = 77 };
-        price_all(&in, 1, 2, 5);
-        price(&in, PLAN_COST_PYRAMID, 0.1);
-        in.params.max_error = 0.001; /* the pyramid is judged, then groups are made */
         mem_fail_at(n);
-        result = stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice);
+        result = stp_choose(&env, in->scene, &in->camera, NULL, &in->params, &in->limits, &choice);
         mem_fail_at(0);
         assert_true(result == STP_OK || result == STP_ERROR_MEMORY);
         if (result != STP_OK) {
             assert_int_equal(log.lines, 1);
             assert_int_equal(choice.count, 77);
-            assert_null(in.scene->splats.group);
+            assert_null(in->scene->splats.group);
         }
-        release_inputs(&in);
     }
+}
+
+static void test_no_memory(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 1, 2, 5);
+    price(&in, PLAN_COST_PYRAMID, 0.1);
+    in.params.max_error = 0.001; /* the pyramid is judged, then groups are made */
+    fail_each(&in);
+    release_inputs(&in);
+}
+
+/* And while all cells are looked at. */
+static void test_close_no_memory(void **state)
+{
+    struct inputs in = wavy();
+    double most;
+    in.camera = plain_camera(220, 165, 206);
+    price_all(&in, 100, 2, 5);
+    in.params.max_error = 1;
+    struct stp_choice choice = choose(&in);
+    in.params.method = STP_METHOD_EXACT;
+    in.params.payload = STP_PAYLOAD_PACKED;
+    in.params.max_error = error_by(&in, &choice, EVERY, &most).mean;
+    fail_each(&in);
+    release_inputs(&in);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bounds),      cmocka_unit_test(test_close),
-        cmocka_unit_test(test_doubt),       cmocka_unit_test(test_prices),
-        cmocka_unit_test(test_one_picture), cmocka_unit_test(test_considered),
-        cmocka_unit_test(test_fixed),       cmocka_unit_test(test_same),
-        cmocka_unit_test(test_sentence),    cmocka_unit_test(test_unmet),
-        cmocka_unit_test(test_bright),      cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_pyramid),     cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_bounds),          cmocka_unit_test(test_close),
+        cmocka_unit_test(test_doubt),           cmocka_unit_test(test_prices),
+        cmocka_unit_test(test_one_picture),     cmocka_unit_test(test_considered),
+        cmocka_unit_test(test_fixed),           cmocka_unit_test(test_same),
+        cmocka_unit_test(test_sentence),        cmocka_unit_test(test_unmet),
+        cmocka_unit_test(test_bright),          cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_pyramid),         cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_close_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
