@@ -6,6 +6,7 @@
 // PARTS: one walk, AXIS_PART_ENTRIES entries of its list at most, since a device may stop long loops;
 // sums are kept in memory, and axis_merge.comp merges them.
 // GROUPED: a subgroup is a block's eight threads. Each fetches a splat, then all take all eight.
+// FETCHED besides: as texels (lib/projected.glsl).
 #include "lib/common.glsl"
 #ifdef GROUPED
 #extension GL_KHR_shader_subgroup_ballot : require
@@ -40,7 +41,7 @@ struct Splat {
 
 Splat fetch(uint entry, bool known)
 {
-    uint id = frame.order.v[entry];
+    uint id = order_at(entry);
     Splat s;
     if (DISCS) {
         s.words = gaussian_words(id);
@@ -55,8 +56,8 @@ Splat fetch(uint entry, bool known)
         s.s = e.s;
         return s;
     }
-    s.place = frame.projected.v[2 * id];
-    s.color = frame.projected.v[2 * id + 1].xyz;
+    s.place = projected_at(2 * id);
+    s.color = projected_at(2 * id + 1).xyz;
     s.place.w = known ? s.place.w : NOTHING;
     return s;
 }
@@ -116,12 +117,16 @@ void take(uint end, uint count, const Ray ray[STP_AXIS_ROWS], const float dark[S
     for (uint n = 0; n < count && anyone(still); n += TURN) {
 #ifdef GROUPED
         Splat mine = fetch(max(end, n + lane + 1) - n - lane - 1, n + lane < count);
+#else
+        Splat next[TURN]; // all before the first is needed: loads wait side by side
+        [[unroll]] for (uint k = 0; k < TURN; k++)
+            next[k] = fetch(max(end, n + k + 1) - n - k - 1, n + k < count);
 #endif
         [[unroll]] for (uint k = 0; k < TURN; k++) {
 #ifdef GROUPED
             Splat s = from_lane(mine, k);
 #else
-            Splat s = fetch(max(end, n + k + 1) - n - k - 1, n + k < count);
+            Splat s = next[k];
 #endif
             [[unroll]] for (uint i = 0; i < ROWS; i++) {
                 float depth;
