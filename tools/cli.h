@@ -77,7 +77,7 @@ struct settings {
     bool half, quick, json, quiet, verbose, with_groups, calibrate;
 };
 
-/* --- options.c: the one table, and its parser --------------------------------------------- */
+/* --- option_table.c: the one table; options.c: its parser --------------------------------- */
 
 struct option_spec;
 /* Writes `text` to `target`; false: not allowed, and nothing is written. */

@@ -1,6 +1,7 @@
 /* ZP 4.2: extended grouping, from prepared splats to groups that each cover the surface. */
 #include "prepare/deferred_cover.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "prepare/deferred_blocks.h"
@@ -8,7 +9,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
 #define MOST_EDGES       64 /* undirected, a splat */
 #define MIN_EDGES        ((size_t)1 << 20)
@@ -19,13 +19,6 @@
 #define MOST_DUPLICATES  0.45             /* BOTH: of the splats */
 #define MISSED           2e-3             /* of the surface, and then more is done */
 #define MEASURE_BUDGET   ((size_t)1 << 22)
-
-static double now_ms(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 static void release(struct cover *cover)
 {
@@ -265,7 +258,7 @@ enum stp_result cover_scene(const struct stp_env *env, struct stp_scene *scene,
     enum stp_result result = check(env, scene, p);
     if (result != STP_OK)
         return result;
-    double begin = now_ms();
+    double begin = clock_ms();
     struct stp_cover facts = asked(p);
     struct cover cover = { .env = env, .splats = &scene->splats, .groups = facts.groups };
     struct cover_groups made = { 0 };
@@ -279,7 +272,7 @@ enum stp_result cover_scene(const struct stp_env *env, struct stp_scene *scene,
     release(&cover);
     if (result != STP_OK)
         return result;
-    facts.milliseconds = now_ms() - begin;
+    facts.milliseconds = clock_ms() - begin;
     cover_groups_release(&scene->cover);
     scene->cover = made;
     scene->facts.cover = facts;

@@ -1,6 +1,7 @@
 /* ZP 4.1: splats to groups that hardly overlap. */
 #include "prepare/prepare.h"
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
@@ -9,7 +10,6 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
 /* Undirected edges a splat: beyond this no 64 groups can do (uniform cover needs about 3/4 of its
  * average degree in colours), so the graph is not worth its memory. */
@@ -29,13 +29,6 @@ struct grouping {
     size_t crowded;
     struct stp_grouping facts; /* of `group` */
 };
-
-static double now_ms(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 bool splats_equal(const struct splats *s, size_t i, size_t j)
 {
@@ -169,13 +162,13 @@ static void warn(const struct grouping *g, double asked)
 
 static enum stp_result group_splats(struct grouping *g, double overlap)
 {
-    double start = now_ms();
+    double start = clock_ms();
     bool fits;
     parallel_for(g->env, g->splats->count, 16384, mark_duplicates, g);
     enum stp_result result = try_overlap(g, overlap, false, &fits);
     if (result == STP_OK && !fits)
         result = lower_overlap(g, overlap);
-    g->facts.milliseconds = now_ms() - start;
+    g->facts.milliseconds = clock_ms() - start;
     if (result == STP_OK)
         warn(g, overlap);
     return result;

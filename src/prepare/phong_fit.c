@@ -2,8 +2,8 @@
 
 #include <math.h>
 #include <string.h>
-#include <time.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "prepare/facts.h"
@@ -196,17 +196,10 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     return STP_OK;
 }
 
-static double milliseconds_now(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return 1e3 * (double)t.tv_sec + 1e-6 * (double)t.tv_nsec;
-}
-
 enum stp_result stp_scene_fit(const struct stp_env *env, struct stp_scene *scene,
                               const struct stp_fit_params *params, struct stp_fit *out)
 {
-    double start = milliseconds_now();
+    double start = clock_ms();
     enum stp_result result = check(env, scene, params);
     if (result != STP_OK)
         return result;
@@ -218,7 +211,7 @@ enum stp_result stp_scene_fit(const struct stp_env *env, struct stp_scene *scene
     patch_set_release(&f.set);
     fit_cloud_release(&f.cloud);
     splats_release(&f.splats);
-    f.fit.milliseconds = milliseconds_now() - start;
+    f.fit.milliseconds = clock_ms() - start;
     if (result == STP_OK && out)
         *out = f.fit;
     return result;

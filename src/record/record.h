@@ -238,6 +238,10 @@ enum stp_result record_again(const struct stp_env *env, struct record_frame *fra
 /* What the plan's shaders were chosen for must be enabled on this device. */
 enum stp_result record_check_features(const struct stp_env *env, const struct stp_context *context,
                                       const struct stp_plan *plan);
+/* `repeat` more frames: their times, and those of their passes. */
+enum stp_result record_time(const struct stp_env *env, struct record_frame *frame,
+                            const struct stp_scene *scene, unsigned repeat,
+                            struct stp_render_stats *stats);
 /* A few more frames, timed pass by pass: stats->pass gets the medians. */
 enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
                                const struct stp_scene *scene, struct stp_render_stats *stats);

@@ -3,19 +3,12 @@
 
 #include <stipple/report.h>
 #include <string.h>
-#include <time.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "reference/reference.h"
 #include "scene/scene.h"
-
-static double now_ms(void)
-{
-    struct timespec t;
-    clock_gettime(CLOCK_MONOTONIC, &t);
-    return (double)t.tv_sec * 1e3 + (double)t.tv_nsec * 1e-6;
-}
 
 /* Why a configuration does not apply: the line that its plan would have logged. */
 static void keep_line(void *user, enum stp_log_level level, const char *line)
@@ -141,12 +134,12 @@ static enum stp_result render_reference(struct study *study)
 {
     struct stp_render_params params = study->params.render;
     params.samples = params.aovs = 0;
-    double start = now_ms();
+    double start = clock_ms();
     enum stp_result result =
         reference_render(study->env, study->scene, study->camera, &params, &study->reference);
     if (result != STP_OK)
         return result;
-    double ms = now_ms() - start;
+    double ms = clock_ms() - start;
     struct report_row *row = &study->report.row[study->frame_count];
     struct stp_compare_params compare = { .epsilon = study->epsilon };
     *row = (struct report_row){ .method = "reference",
@@ -185,7 +178,7 @@ static void describe(struct study *study)
 
 static enum stp_result study_all(struct study *study, const char *folder)
 {
-    double start = now_ms();
+    double start = clock_ms();
     enum stp_result result = make_frames(study);
     if (result == STP_OK)
         result = study_pick(study);
@@ -204,7 +197,7 @@ static enum stp_result study_all(struct study *study, const char *folder)
     if (result == STP_OK && study->context->messages)
         result = log_error(study->env, STP_ERROR_VALIDATION, "%u validation messages",
                            study->context->messages);
-    study->report.seconds = (now_ms() - start) * 1e-3;
+    study->report.seconds = (clock_ms() - start) * 1e-3;
     return result == STP_OK ? study_write(study, folder) : result;
 }
 
