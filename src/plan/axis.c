@@ -169,11 +169,6 @@ static unsigned projected_vectors(const struct stp_plan *plan)
     return 2;
 }
 
-static bool is_grouped(const struct stp_plan *plan)
-{
-    return (plan->limits.features & STP_FEATURE_SUBGROUP_8) != 0;
-}
-
 /* Lists and projected splats are fetched as texels, where there may be as many. */
 static bool is_fetched(const struct stp_plan *plan)
 {
@@ -183,13 +178,13 @@ static bool is_fetched(const struct stp_plan *plan)
            plan->facts.splats * projected_vectors(plan) <= PLAN_MOST_TEXELS;
 }
 
-/* A pass over the blocks' lists, by subgroups where they are a block's width. */
+/* A pass over the blocks' lists. */
 static struct plan_pass *block_pass(struct stp_plan *plan, enum plan_shader shader,
                                     const char *name)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
     uint64_t blocks = plan_pixels(plan) / (STP_BLOCK * STP_AXIS_ROWS);
-    pass->shader = shader + is_grouped(plan) + is_fetched(plan);
+    pass->shader = shader + is_fetched(plan);
     pass->groups = (uint32_t)(blocks / (STP_GROUP / STP_BLOCK)) + 1;
     plan_reads(plan, pass, PLAN_PROJECTED);
     plan_reads(plan, pass, PLAN_ORDER);

@@ -2,6 +2,8 @@
 
 #define TIE  1e-5
 #define STEP 2e-4 /* pixels */
+/* What float32 leaves of a place in a picture some hundred pixels wide: 3 x 112 x 2^-24. */
+#define MOVED 2e-5
 
 /* A splat's place in an order: the least is the nearest; of equal ones the first is. */
 struct place {
@@ -120,7 +122,8 @@ static void make_pixel(struct orders *o, const struct drawn *d, const double (*b
         qsort(seen, count, sizeof *seen, far_first);
         composite(d, seen, count, 0, o->sum[at][order]);
         if (d->disc)
-            o->slope[at] = fmax(o->slope[at], slope_of(d, seen, count, o->sum[at][order]));
+            o->slope[at] =
+                fmax(o->slope[at], MOVED / STEP * slope_of(d, seen, count, o->sum[at][order]));
     }
 }
 

@@ -16,8 +16,8 @@ struct orders {
     struct vec3 *ray;         /* directions in the world */
     struct vec3 forward;      /* the view's */
     bool *fragile;            /* a fragment appears or goes within 2e-4 pixels of the centre */
-    double *slope;            /* of a surface, whose splats may be as steep as they like: what that
-                                 far aside is other; of a volume 0 */
+    double *slope;            /* of a surface, whose splats may be as steep as they like: what
+                                 2e-5 pixels aside is other; of a volume 0 */
 };
 struct orders orders_make(const struct stp_scene *scene, const struct stp_camera *camera,
                           const struct stp_render_params *params);

@@ -156,18 +156,17 @@ static void by_compute(void **state)
     tiles_background_and_nothing(STP_PATH_COMPUTE);
 }
 
-/* More splats on 8 x 4 pixels than one pass takes, with subgroups and texels, without these,
- * without both. */
+/* More splats on 8 x 4 pixels than one pass takes, as texels and by address. */
 static void long_lists_go_on(void **state)
 {
-    static const unsigned masks[] = { 0, STP_FEATURE_TEXEL_BUFFERS, STP_FEATURE_SUBGROUP_8 };
+    static const unsigned masks[] = { 0, STP_FEATURE_TEXEL_BUFFERS };
     struct stp_scene *scene =
         block_scene((uint32_t[]){ 10, 6, 6400 }, (double[]){ 1, 1, 1 }, 0.0012);
     struct stp_camera camera = plain_camera(8, 4, 40000);
     look_at(&camera, v3(0, 0, 40000), v3(0, 0, 0));
     struct stp_render_params params = { .method = STP_METHOD_AXIS, .path = STP_PATH_COMPUTE };
     struct stp_image *truth = render_volume(scene, &camera, &params);
-    for (int m = 0; m < 3; m++) {
+    for (int m = 0; m < 2; m++) {
         struct device device;
         struct stp_plan *plan = NULL;
         device_open(&device, 0);
@@ -188,9 +187,9 @@ static void long_lists_go_on(void **state)
     stp_scene_destroy(&scene);
 }
 
-/* A device whose subgroups are of another size fetches thread by thread, and stops column by column
- * where too little light is left. Odd sizes leave threads outside of the picture. */
-static void without_subgroups(void **state)
+/* A device without texels has the same bits by addresses. Odd sizes leave threads outside of the
+ * picture. */
+static void without_texels(void **state)
 {
     struct device device;
     struct stp_scene *scene = random_volume(17, (double[]){ 0.2, 0.2, 0.2 }, false);
@@ -200,20 +199,12 @@ static void without_subgroups(void **state)
         camera.width -= (uint32_t)v;
         camera.height -= 3;
         struct stp_render_params params = { .method = STP_METHOD_AXIS, .axis_h = 0.5 };
-        struct stp_image *with = device_render(&device, scene, &camera, &params);
-        params.mask_features = STP_FEATURE_TEXEL_BUFFERS; /* the same by address */
+        struct stp_image *fetched = device_render(&device, scene, &camera, &params);
+        params.mask_features = STP_FEATURE_TEXEL_BUFFERS;
         struct stp_image *addressed = device_render(&device, scene, &camera, &params);
-        expect_same_bits(addressed, with, "no texels");
+        expect_same_bits(addressed, fetched, "no texels");
+        stp_image_destroy(&fetched);
         stp_image_destroy(&addressed);
-        params.mask_features = STP_FEATURE_SUBGROUP_8;
-        struct stp_image *without = device_render(&device, scene, &camera, &params);
-        for (uint32_t y = 0; y < camera.height; y++)
-            for (uint32_t x = 0; x < camera.width; x++) {
-                close_to((double)value(with, "R", x, y), (double)value(without, "R", x, y), 3e-6);
-                close_to((double)value(with, "A", x, y), (double)value(without, "A", x, y), 3e-6);
-            }
-        stp_image_destroy(&with);
-        stp_image_destroy(&without);
     }
     device_close(&device);
     stp_scene_destroy(&scene);
@@ -259,7 +250,8 @@ static void slabs_at_angles(void **state)
 }
 
 /* A second opinion: rays marched through the sum of the Gaussians (march.h). Every merge has its
- * alpha, and its colours within 1 %. */
+ * alpha, and its colours within half a per cent, or 6 % where kernels are ten times as long as
+ * wide. */
 static void a_marched_volume(void **state)
 {
     static const char *const names[] = { "R", "G", "B" };
@@ -279,7 +271,8 @@ static void a_marched_volume(void **state)
             march_pixel(&m, &camera, i % 26, i / 26, through, sorted);
             close_to((double)value(image, "A", i % 26, i / 26), through[3], 4e-5);
             for (int c = 0; c < 3; c++)
-                close_to((double)value(image, names[c], i % 26, i / 26), through[c], 0.01);
+                close_to((double)value(image, names[c], i % 26, i / 26), through[c],
+                         n / 2 < MARCH_VIEWS / 2 ? 0.005 : 0.06);
         }
         stp_image_destroy(&image);
         stp_scene_destroy(&scene);
@@ -319,7 +312,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(every_merge_in_every_view), cmocka_unit_test(near_the_exact_order),
         cmocka_unit_test(by_the_rasteriser),         cmocka_unit_test(by_compute),
-        cmocka_unit_test(long_lists_go_on),          cmocka_unit_test(without_subgroups),
+        cmocka_unit_test(long_lists_go_on),          cmocka_unit_test(without_texels),
         cmocka_unit_test(slabs_at_angles),           cmocka_unit_test(a_marched_volume),
         cmocka_unit_test(lists_are_timed),
     };

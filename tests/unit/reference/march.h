@@ -190,7 +190,9 @@ static inline void march_pixel(const struct march *m, const struct stp_camera *c
 static inline struct stp_camera march_view(struct march *m, int index, uint32_t width,
                                            uint32_t height)
 {
-    static const struct vec3 towards[] = { { 0.2, 0.1, 1 }, { 1, 0.8, 0.9 }, { -0.7, 1, 0.05 } };
+    static const struct vec3 towards[] = { { 0.2137, 0.0911, 1 },
+                                           { 1, 0.8231, 0.9107 },
+                                           { -0.7119, 1, 0.0533 } };
     bool flat = index % 2, tall = index >= MARCH_VIEWS / 2;
     struct stp_camera camera = flat ? flat_camera(width, height, height / 26.0)
                                     : plain_camera(width, height, 2.2 * height);
