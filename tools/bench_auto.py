@@ -4,8 +4,9 @@
   tools/bench_auto.py auto FILE...      what --max-error takes for bounds from 1e-2 to 1e-5, beside
                                         the fastest of `stipple report --quick` within each bound:
                                         all in one process a model, interleaved (docs/results/auto.md)
-  tools/bench_auto.py bounds FILE...    what --max-error takes, and the error of the picture that it gives:
-                                        no times, so that any machine will do
+  tools/bench_auto.py bounds FILE...    what --max-error takes, the error that it says at most, and that of
+                                        the picture that it gives: no times, so that any machine will do;
+                                        of folders every file that holds points
   tools/bench_auto.py features FILE     resources, passes, constants, bytes and milliseconds of each
                                         feature off and on (docs/results/features.md); --rounds 0:
                                         all but the milliseconds
@@ -111,23 +112,60 @@ def taken(text):
     return " ".join(words) + packed + groups, most[1] if most else "-"
 
 
+def points_in(names):
+    """Files, and all files in folders."""
+    for name in names:
+        if os.path.isdir(name):
+            yield from sorted(entry.path for entry in os.scandir(name) if entry.is_file())
+        else:
+            yield name
+
+
+def judged(model, bound, folder, more):
+    """What was taken within the bound, the error that it said at most, and the one that came."""
+    truth, out, stats = (os.path.join(folder, n) for n in ["t.exr", "o.exr", "s.json"])
+    stipple("render", model, "-o", out, "--max-error", bound, "--stats", stats, *SMALL, *more)
+    with open(stats, encoding="utf-8") as file:
+        what, most = taken(json.load(file)["plan"])
+    return what, most, json.loads(stipple("compare", "--json", out, truth))["covered"]["mean_absolute"]
+
+
+class Tally:
+    def __init__(self):
+        self.total = self.kept = self.said = self.files = 0
+        self.refused = []
+
+    def cell(self, bound, what, most, error):
+        self.total += 1
+        inside, honest = error <= float(bound), most == "-" or error <= 1.05 * float(most)
+        self.kept += inside
+        self.said += honest
+        return (f"{what}: {most}, {error:.2g}" + ("" if inside else " **beyond**") +
+                ("" if honest else " **more than said**"))
+
+
 def bounds(models, more):
-    print("| model | bound | taken | error, at most | error |\n|---|---:|---|---:|---:|")
-    total = kept = 0
-    for model in models:
+    print("| model | " + " | ".join(BOUNDS) + " |\n|---|" + "---|" * len(BOUNDS))
+    tally = Tally()
+    for model in points_in(models):
         with tempfile.TemporaryDirectory() as folder:
-            truth, out, stats = (os.path.join(folder, n) for n in ["t.exr", "o.exr", "s.json"])
-            stipple("render", model, "-o", truth, "--method", "reference", *SMALL, *more)
+            try:
+                stipple("render", model, "-o", os.path.join(folder, "t.exr"), "--method", "reference",
+                        *SMALL, *more)
+            except subprocess.CalledProcessError as error:
+                tally.refused.append((model, error.stderr.strip().splitlines()[-1]))
+                continue
+            cells, before = [], None
             for bound in BOUNDS:
-                stipple("render", model, "-o", out, "--max-error", bound, "--stats", stats, *SMALL, *more)
-                with open(stats, encoding="utf-8") as file:
-                    what, most = taken(json.load(file)["plan"])
-                error = json.loads(stipple("compare", "--json", out, truth))["covered"]
-                inside = error["mean_absolute"] <= float(bound)
-                total, kept = total + 1, kept + inside
-                print(f"| {os.path.basename(model)} | {bound} | {what} | {most} | "
-                      f"{error['mean_absolute']:.2g}{'' if inside else ' **beyond**'} |", flush=True)
-    print(f"\n{kept} of {total} pictures are within their bound.")
+                now = judged(model, bound, folder, more)
+                cells.append("the same" if now[:2] == before else tally.cell(bound, *now))
+                before = now[:2]
+            tally.files += 1
+            print(f"| {os.path.basename(model)} | " + " | ".join(cells) + " |", flush=True)
+    print(f"\n{tally.files} files. Of {tally.total} different pictures {tally.kept} are within their bound, "
+          f"and {tally.said} within what was said at most.")
+    for model, line in tally.refused:
+        print(f"Not rendered: {os.path.basename(model)}: {line}", file=sys.stderr)
 
 
 # --- features --------------------------------------------------------------------------------------

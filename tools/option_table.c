@@ -81,6 +81,10 @@ const struct option_spec option_table[] = {
     { NULL, PREPARE, "fit-flat", 0, NULL,
       "fit constant normals, not linear fields (default: off)",
       value_flag, AT(fit.flat), NULL, 0, 0, NULL },
+    { NULL, PREPARE, "fit-alone", 0, NULL,
+      "fit the field of each splat by itself, not all together for their mean where they overlap "
+      "(default: off)",
+      value_flag, AT(fit.alone), NULL, 0, 0, NULL },
     { NULL, PREPARE, "fit-smooth", 0, NULL,
       "do not look for sharp edges, at which splats are clipped (default: off)",
       value_flag, AT(fit.smooth), NULL, 0, 0, NULL },

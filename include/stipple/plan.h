@@ -163,7 +163,8 @@ struct stp_plan;
 
 /* What stp_choose looked at, the cheapest first. */
 enum stp_verdict {
-    STP_VERDICT_COSTLY = 0, /* meets the bound, or was not judged: another was cheaper */
+    STP_VERDICT_COSTLY = 0, /* meets the bound, or was not judged: another was cheaper, or
+                              hardly dearer and needs no groups */
     STP_VERDICT_CHOSEN,
     STP_VERDICT_INEXACT, /* its error is beyond the bound */
 };

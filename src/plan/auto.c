@@ -36,7 +36,7 @@ static bool fix(const struct choosing *c, struct plan_candidate *way)
     return true;
 }
 
-static enum stp_result add(struct choosing *c, const struct plan_candidate *way)
+static enum stp_result add(struct choosing *c, const struct plan_candidate *way, bool slow)
 {
     struct auto_candidate *candidate = &c->candidate[c->count];
     struct stp_grouping none = { 0 };
@@ -45,7 +45,7 @@ static enum stp_result add(struct choosing *c, const struct plan_candidate *way)
     enum stp_result result = STP_OK;
     if (c->count == STP_MAX_CONSIDERED)
         return STP_OK;
-    *candidate = (struct auto_candidate){ .way = *way, .error = NAN };
+    *candidate = (struct auto_candidate){ .way = *way, .slow = slow, .error = NAN };
     candidate->stage = way->overlap > 0 ? AUTO_PRICED : AUTO_GROUPED;
     if (way->payload == STP_PAYLOAD_AUTO)
         candidate->way.payload = c->params.payload;
@@ -71,7 +71,7 @@ static enum stp_result add_offers(struct choosing *c, bool slow)
         for (unsigned i = 0; result == STP_OK && i < count; i++)
             if (slow == (way[i].overlap > 0 || offer->draw) && fix(c, &way[i]) &&
                 allowed(c, &way[i]))
-                result = add(c, &way[i]);
+                result = add(c, &way[i], slow);
     }
     return result;
 }
@@ -91,7 +91,8 @@ static struct auto_candidate *cheapest(struct choosing *c)
     struct auto_candidate *found = NULL;
     for (unsigned i = 0; i < c->count; i++) {
         struct auto_candidate *candidate = &c->candidate[i];
-        if (candidate->stage != AUTO_REFUSED && (!found || candidate->ms < found->ms))
+        if (candidate->stage != AUTO_REFUSED &&
+            (!found || auto_reckoned(candidate) < auto_reckoned(found)))
             found = candidate;
     }
     return found;

@@ -16,6 +16,8 @@ enum auto_stage {
 
 struct auto_candidate {
     struct plan_candidate way;
+    bool slow;  /* to judge: the scene is grouped for it, or a picture drawn */
+    bool close; /* to the bound: samples leave it open */
     enum auto_stage stage;
     struct stp_grouping grouping; /* that the price is for */
     double ms;
@@ -44,6 +46,16 @@ struct choosing {
     struct auto_local local[MAX_GROUPINGS];
     struct auto_candidate candidate[STP_MAX_CONSIDERED];
 };
+
+/* What comes first is judged first. Prices are right to about so much: what they say is saved by
+ * less may be none, and is not worth groups that take seconds, or a greater error; nor are more
+ * cells than a sample's where another way costs hardly more. */
+#define AUTO_DOUBT 1.12
+#define AUTO_WORTH 1.15
+static inline double auto_reckoned(const struct auto_candidate *candidate)
+{
+    return candidate->ms * (candidate->slow ? AUTO_DOUBT : 1) * (candidate->close ? AUTO_WORTH : 1);
+}
 
 /* auto_judge.c: one step further with this candidate. */
 enum stp_result auto_judge(struct choosing *choosing, struct auto_candidate *candidate);

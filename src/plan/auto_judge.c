@@ -4,12 +4,14 @@
 
 #define CELLS_FEW  256
 #define CELLS_MANY 1536
+#define CELLS_PART 4096 /* of each further look, until all are seen */
 /* An estimate counts as within the bound when it still is this many standard errors higher, and as
  * beyond when it still is that many lower. */
 #define CONFIDENCE 3
-/* A few cells may miss the few pixels where most of the error is: near the bound the many decide.
- */
+/* A few cells may miss the few pixels where most of the error is: near the bound the many decide,
+ * and while the standard error is more than this share of what is said to be the most. */
 #define TAIL 1.3
+#define SURE 0.1
 /* Groups of the probe's splats alone put more or fewer of them together than the scene's: what is
  * this many times beyond the bound with those is not worth grouping the scene for. */
 #define LOCAL_MARGIN 2
@@ -18,11 +20,12 @@
 
 enum stp_result auto_probe(struct choosing *c, unsigned which)
 {
-    static const unsigned cells[] = { CELLS_FEW, CELLS_MANY };
+    static const struct probe_sample samples[] = { { CELLS_FEW, 0, true },
+                                                   { CELLS_MANY, 0, true } };
     if (c->probed[which])
         return STP_OK;
     enum stp_result result = probe_make(c->env, c->scene, c->camera, &c->params, &c->survey,
-                                        cells[which], &c->probe[which]);
+                                        &samples[which], &c->probe[which]);
     c->probed[which] = result == STP_OK;
     return result;
 }
@@ -85,45 +88,56 @@ static double dome_error(const struct stp_plan *plan)
     return DOME_SLOPE * step / (plan->camera.orthographic ? 1 / plan->frame.eye_dome_scale : depth);
 }
 
+struct estimate {
+    struct probe_error error;
+    double more; /* that no probe sees */
+    double low, high;
+};
+
+static void conclude(struct estimate *e)
+{
+    const struct probe_error *error = &e->error;
+    e->low = fmax(0, error->mean - CONFIDENCE * error->spread - error->rounding - e->more);
+    e->high = error->mean + CONFIDENCE * error->spread + error->rounding + e->more;
+}
+
 /* What this probe says of the candidate, with the groups of the scene or of the probe alone. */
 static enum stp_result estimate(struct choosing *c, const struct auto_candidate *candidate,
-                                unsigned which, const struct auto_local *local, double *low,
-                                double *high)
+                                const struct probe *probe, const struct auto_local *local,
+                                struct estimate *e)
 {
     struct stp_plan *plan = NULL;
-    struct probe_error error;
     const uint8_t *group = local ? local->group : c->scene->splats.group;
-    enum stp_result result = auto_probe(c, which);
-    *low = *high = INFINITY;
-    if (result == STP_OK)
-        result = make_plan(c, candidate, &candidate->grouping, &plan);
+    *e = (struct estimate){ .low = INFINITY, .high = INFINITY };
+    enum stp_result result = make_plan(c, candidate, &candidate->grouping, &plan);
     if (!plan)
         return result;
-    result = plan_judge(c->env, &c->probe[which], plan, candidate->way.overlap > 0 ? group : NULL,
-                        local != NULL, &error);
-    double more = plan_rounding(plan) + dome_error(plan);
+    result = plan_judge(c->env, probe, plan, candidate->way.overlap > 0 ? group : NULL,
+                        local != NULL, &e->error);
+    e->more = plan_rounding(plan) + dome_error(plan);
     stp_plan_destroy(&plan);
-    if (result != STP_OK)
-        return result;
-    *low = fmax(0, error.mean - CONFIDENCE * error.spread);
-    *high = error.mean + CONFIDENCE * error.spread + more;
-    return STP_OK;
+    if (result == STP_OK)
+        conclude(e);
+    return result;
 }
 
 /* Only what may be within the bound is worth grouping the scene for. */
 static enum stp_result group(struct choosing *c, struct auto_candidate *candidate)
 {
     const struct auto_local *local;
-    double low = 0, high = 0, overlap = candidate->way.overlap;
+    double overlap = candidate->way.overlap;
+    struct estimate e;
     bool applies;
     enum stp_result result = auto_local(c, overlap, &local);
     if (result == STP_OK)
-        result = estimate(c, candidate, 0, local, &low, &high);
+        result = auto_probe(c, 0);
+    if (result == STP_OK)
+        result = estimate(c, candidate, &c->probe[0], local, &e);
     if (result != STP_OK)
         return result;
-    if (low > LOCAL_MARGIN * c->bound || isinf(high)) {
+    if (e.low > LOCAL_MARGIN * c->bound || isinf(e.high)) {
         candidate->stage = AUTO_REFUSED;
-        candidate->error = high;
+        candidate->error = e.high;
         return STP_OK;
     }
     result = groupings_use(c->env, &c->groupings, &c->group, overlap);
@@ -133,20 +147,69 @@ static enum stp_result group(struct choosing *c, struct auto_candidate *candidat
     return result;
 }
 
+/* Nothing more needs to be looked at. margin: how far within the bound is far enough. */
+static bool settled(const struct choosing *c, const struct estimate *e, double margin)
+{
+    const struct probe_tally *t = &e->error.tally;
+    bool sure = e->error.spread <= SURE * e->high, all = t->n > 0 && t->cells >= t->all_cells;
+    return all || (sure && e->high * margin <= c->bound) || e->low > c->bound || isinf(e->high);
+}
+
+/* Part after part of the cells, until they settle it or none is left: then nothing is sampled. */
+static enum stp_result look_on(struct choosing *c, const struct auto_candidate *candidate,
+                               struct estimate *e)
+{
+    enum stp_result result = STP_OK;
+    unsigned parts = 1;
+    for (unsigned k = 0; result == STP_OK && k < parts && !(k && settled(c, e, 1)); k++) {
+        const struct probe_sample sample = { CELLS_PART, k, false };
+        struct probe probe;
+        struct estimate part;
+        result = probe_make(c->env, c->scene, c->camera, &c->params, &c->survey, &sample, &probe);
+        if (result != STP_OK)
+            return result;
+        result = estimate(c, candidate, &probe, NULL, &part);
+        parts = probe.parts;
+        probe_release(&probe);
+        if (k)
+            probe_error_join(&part.error, &e->error);
+        conclude(&part);
+        *e = part;
+    }
+    return result;
+}
+
 /* The few cells decide when they can, else the many. */
+static enum stp_result sample(struct choosing *c, const struct auto_candidate *candidate,
+                              struct estimate *e, bool *done)
+{
+    enum stp_result result = STP_OK;
+    for (unsigned which = 0; result == STP_OK && which < 2 && !*done; which++) {
+        result = auto_probe(c, which);
+        if (result == STP_OK)
+            result = estimate(c, candidate, &c->probe[which], NULL, e);
+        *done = settled(c, e, which ? 1 : TAIL);
+    }
+    return result;
+}
+
+/* What samples leave open waits until nothing else is about as cheap. Of one picture, without a
+ * bound, it is not worth more. */
 static enum stp_result decide(struct choosing *c, struct auto_candidate *candidate)
 {
-    double low = INFINITY, high = INFINITY;
+    struct estimate e = { .high = INFINITY };
     enum stp_result result = STP_OK;
+    bool done = false;
     if (candidate->way.overlap > 0)
         result = groupings_use(c->env, &c->groupings, &c->group, candidate->way.overlap);
-    for (unsigned which = 0; result == STP_OK && which < 2; which++) {
-        result = estimate(c, candidate, which, NULL, &low, &high);
-        candidate->error = high;
-        if (high * TAIL <= c->bound || low > c->bound)
-            break;
-    }
-    candidate->stage = high <= c->bound ? AUTO_ACCEPTED : AUTO_REFUSED;
+    if (result == STP_OK && candidate->close)
+        result = look_on(c, candidate, &e), done = true;
+    else if (result == STP_OK)
+        result = sample(c, candidate, &e, &done);
+    candidate->error = e.high;
+    candidate->close = !done && c->params.max_error > 0;
+    if (!candidate->close)
+        candidate->stage = e.high <= c->bound ? AUTO_ACCEPTED : AUTO_REFUSED;
     return result;
 }
 

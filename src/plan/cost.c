@@ -64,10 +64,13 @@ double plan_predict(const struct stp_plan *plan, const struct survey *survey,
     return ns > 0 ? ns * 1e-6 * plan_samples(plan) : INFINITY;
 }
 
-/* Measured over the models of docs/auto.md: with centres in double no more than 3e-6; in
- * float one pixel of an outline on the wrong side is worth 1e-6 of a picture of 10^6 pixels. */
+/* A colour is a few float operations more, whose roundings mostly cancel. Centres in float move
+ * outlines by a thousandth of a pixel: one pixel on the wrong side is worth 1e-6 of a picture of
+ * 10^6. The pyramid's texels are halves, where the probe has floats: a quarter of their last bit.
+ */
 double plan_rounding(const struct stp_plan *plan)
 {
-    double brightest = fmax(1, plan->facts.color_max);
-    return (plan->constant[PLAN_FLOAT64] ? 3e-6 : 2e-5) * brightest;
+    double shade = 0x1p-24, halves = plan_offer_of(plan)->draw ? 0x1p-13 : 0;
+    double centres = plan->constant[PLAN_FLOAT64] ? 0 : 2e-5;
+    return (shade + halves + centres) * fmax(1, plan->facts.color_max);
 }

@@ -94,8 +94,7 @@ void plan_common_amounts(const struct stp_plan *plan, const struct survey *surve
  */
 double plan_predict(const struct stp_plan *plan, const struct survey *survey,
                     const struct stp_calibration *calibration);
-/* What float arithmetic adds to the error of every method on a device, which no probe sees: pixels
- * of outlines that fall on the other side. */
+/* What float arithmetic adds to the error beside what a probe says of it (probe_error.rounding). */
 double plan_rounding(const struct stp_plan *plan);
 
 /* probe_judge.c: the error of the plan over the probe's pixels, by its method's `keep` or `draw`;

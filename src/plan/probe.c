@@ -11,7 +11,9 @@
 
 #define CELL_PIXELS (PROBE_CELL * PROBE_CELL)
 #define NO_CELL     UINT32_MAX
-#define MANY_BLOCKS 256 /* a box of more is taken to hold a cell */
+#define ACROSS      (SURVEY_BLOCK / PROBE_CELL) /* cells of a block, a side */
+#define BLOCK_CELLS (ACROSS * ACROSS)
+#define MANY_CELLS  1024 /* a box of more is taken to hold one of the probe */
 
 /* While a probe is made. */
 struct making {
@@ -19,7 +21,7 @@ struct making {
     struct probe *probe;
     const struct survey *survey;
     struct spot_view spots;
-    uint32_t *cell_of;      /* of each block */
+    uint32_t *cell_of;      /* of each place where one may be, row by row */
     uint8_t *near_cell;     /* of each splat */
     size_t capacity, count; /* fragments */
 };
@@ -31,38 +33,65 @@ static uint32_t mix(uint32_t h)
     return h ^ h >> 16;
 }
 
-/* Stratified: a cell in every equal share of the touched blocks, in any quarter of its block. The
- * touched blocks are listed in `cell_of`, before that becomes the map. */
-static void place_cells(struct making *m, unsigned wanted)
+static unsigned common_divisor(unsigned a, unsigned b)
+{
+    return b ? common_divisor(b, a % b) : a;
+}
+
+/* How far apart in a run the cells of successive parts lie: evenly, however many parts are taken
+ * (the golden section), and none twice. */
+static unsigned stride_of(unsigned parts)
+{
+    unsigned stride = (unsigned)(0.618 * parts) + 1;
+    while (common_divisor(stride, parts) != 1)
+        stride++;
+    return stride;
+}
+
+static size_t place_of(const struct making *m, const uint32_t corner[2])
+{
+    return (size_t)(corner[1] / PROBE_CELL) * m->survey->across * ACROSS + corner[0] / PROBE_CELL;
+}
+
+/* Stratified: the places of the touched blocks, block by block, fall into runs of one place for
+ * each part. Which is whose differs from run to run. The touched blocks are listed in `cell_of`,
+ * before that becomes the map. */
+static void place_cells(struct making *m, const struct probe_sample *sample)
 {
     const struct survey *s = m->survey;
+    struct probe *p = m->probe;
     size_t blocks = (size_t)s->across * s->down, touched = 0;
     for (size_t b = 0; b < blocks; b++)
         if (s->mass[b] > 0)
             m->cell_of[touched++] = (uint32_t)b;
-    unsigned cells = touched < wanted ? (unsigned)touched : wanted;
-    for (unsigned c = 0; c < cells; c++) {
-        size_t low = c * touched / cells, high = (c + 1) * touched / cells;
-        uint32_t h = mix(c + 1), b = m->cell_of[low + (h >> 2) % (high - low)];
-        m->probe->corner[c][0] = b % s->across * SURVEY_BLOCK + (h & 1) * PROBE_CELL;
-        m->probe->corner[c][1] = b / s->across * SURVEY_BLOCK + (h >> 1 & 1) * PROBE_CELL;
+    size_t places = touched * BLOCK_CELLS;
+    unsigned parts = places ? (unsigned)((places + sample->cells - 1) / sample->cells) : 1;
+    uint64_t turn = (uint64_t)sample->part * stride_of(parts);
+    for (size_t run = 0; run * parts < places; run++) {
+        size_t at = run * parts + (turn + mix((uint32_t)run + 1)) % parts;
+        if (at >= places) /* the last run is short */
+            continue;
+        uint32_t b = m->cell_of[at / BLOCK_CELLS], k = at % BLOCK_CELLS;
+        p->corner[p->cells][0] = b % s->across * SURVEY_BLOCK + k % ACROSS * PROBE_CELL;
+        p->corner[p->cells++][1] = b / s->across * SURVEY_BLOCK + k / ACROSS * PROBE_CELL;
     }
-    for (size_t b = 0; b < blocks; b++)
-        m->cell_of[b] = NO_CELL;
-    for (unsigned c = 0; c < cells; c++)
-        m->cell_of[m->probe->corner[c][1] / SURVEY_BLOCK * s->across +
-                   m->probe->corner[c][0] / SURVEY_BLOCK] = c;
-    m->probe->cells = cells;
-    m->probe->pixels = (size_t)cells * CELL_PIXELS;
+    for (size_t i = 0; i < blocks * BLOCK_CELLS; i++)
+        m->cell_of[i] = NO_CELL;
+    for (unsigned c = 0; c < p->cells; c++)
+        m->cell_of[place_of(m, p->corner[c])] = c;
+    p->parts = parts;
+    p->amplify = probe_amplify(sample, parts);
+    p->all_cells = (double)places;
+    p->pixels = (size_t)p->cells * CELL_PIXELS;
 }
 
 /* Calls for every cell that the pixels [x0, x1] x [y0, y1] may touch. */
 typedef void (*cell_fn)(void *context, uint32_t cell);
 static void each_cell(const struct making *m, const uint32_t box[4], cell_fn fn, void *context)
 {
-    for (uint32_t y = box[1] / SURVEY_BLOCK; y <= box[3] / SURVEY_BLOCK; y++)
-        for (uint32_t x = box[0] / SURVEY_BLOCK; x <= box[2] / SURVEY_BLOCK; x++) {
-            uint32_t cell = m->cell_of[(size_t)y * m->survey->across + x];
+    for (uint32_t y = box[1] / PROBE_CELL; y <= box[3] / PROBE_CELL; y++)
+        for (uint32_t x = box[0] / PROBE_CELL; x <= box[2] / PROBE_CELL; x++) {
+            uint32_t cell = m->cell_of[(size_t)y * m->survey->across * ACROSS + x];
             if (cell != NO_CELL)
                 fn(context, cell);
         }
@@ -85,9 +114,9 @@ static void sieve(void *context, size_t begin, size_t end, unsigned worker)
         uint32_t box[4] = { s.x0 ? s.x0 - 1 : 0, s.y0 ? s.y0 - 1 : 0,
                             s.x1 + 1 < m->spots.width ? s.x1 + 1 : s.x1,
                             s.y1 + 1 < m->spots.height ? s.y1 + 1 : s.y1 };
-        uint64_t blocks = (uint64_t)((box[2] - box[0]) / SURVEY_BLOCK + 1) *
-                          ((box[3] - box[1]) / SURVEY_BLOCK + 1);
-        if (blocks > MANY_BLOCKS)
+        uint64_t places =
+            (uint64_t)((box[2] - box[0]) / PROBE_CELL + 1) * ((box[3] - box[1]) / PROBE_CELL + 1);
+        if (places > MANY_CELLS)
             m->near_cell[i] = 1;
         else
             each_cell(m, box, mark, &m->near_cell[i]);
@@ -222,7 +251,8 @@ static enum stp_result fill(struct making *m)
 
 enum stp_result probe_make(const struct stp_env *env, const struct stp_scene *scene,
                            const struct stp_camera *camera, const struct stp_render_params *params,
-                           const struct survey *survey, unsigned cells, struct probe *probe)
+                           const struct survey *survey, const struct probe_sample *sample,
+                           struct probe *probe)
 {
     struct probe made = { .view = reference_view(scene, camera, params) };
     struct making m = { .env = env, .probe = &made, .survey = survey };
@@ -233,13 +263,14 @@ enum stp_result probe_make(const struct stp_env *env, const struct stp_scene *sc
     if (params->background)
         memcpy(made.background, params->background, sizeof made.background);
     m.spots = spot_view_of(scene, camera, params);
-    m.cell_of = mem_alloc(blocks, sizeof *m.cell_of);
-    made.corner = mem_alloc(cells, sizeof *made.corner);
+    m.cell_of = mem_alloc(blocks * BLOCK_CELLS, sizeof *m.cell_of);
+    made.corner = mem_alloc(sample->cells, sizeof *made.corner);
     m.near_cell = mem_alloc(scene->splats.count, 1);
     if (!m.cell_of || !made.corner || !m.near_cell)
-        result = log_no_memory(env, scene->splats.count + blocks * sizeof *m.cell_of, "a probe");
+        result = log_no_memory(env, scene->splats.count + blocks * BLOCK_CELLS * sizeof *m.cell_of,
+                               "a probe");
     if (result == STP_OK) {
-        place_cells(&m, cells);
+        place_cells(&m, sample);
         result = fill(&m);
     }
     mem_free(m.cell_of);

@@ -8,7 +8,7 @@
 #include "plan/survey.h"
 #include "reference/tile.h"
 
-#define PROBE_CELL 4 /* pixels a side; one to a block at most */
+#define PROBE_CELL 4 /* pixels a side; a quarter of a block */
 
 struct probe_fragment {
     double depth, rho2, weight;
@@ -24,6 +24,9 @@ struct probe {
     float background[4]; /* behind it all; alpha 0: nothing */
     bool environment_behind;
     unsigned cells;
+    unsigned parts;        /* this one counted: every cell of a touched block is in one of them */
+    double all_cells;      /* of all parts */
+    double amplify;        /* probe_perturb: so many times a float's roundings */
     uint32_t (*corner)[2]; /* of each cell, pixels of the picture */
     size_t pixels;         /* PROBE_CELL squared a cell, those outside the picture empty */
     struct ray *ray;
@@ -35,10 +38,16 @@ struct probe {
     uint32_t *splat;                 /* ascending */
 };
 
-/* At most `cells` cells, spread over the touched blocks. */
+/* Which pixels: at most `cells` cells, spread over the touched blocks. As many parts as it takes,
+ * each so large or a cell smaller, have no cell in common and leave out none. */
+struct probe_sample {
+    unsigned cells, part;
+    bool alone; /* stands for the picture by itself: no other part will be looked at */
+};
 enum stp_result probe_make(const struct stp_env *env, const struct stp_scene *scene,
                            const struct stp_camera *camera, const struct stp_render_params *params,
-                           const struct survey *survey, unsigned cells, struct probe *probe);
+                           const struct survey *survey, const struct probe_sample *sample,
+                           struct probe *probe);
 void probe_release(struct probe *probe);
 
 /* What the method that `plan` stands for does with one pixel's fragments (count > 0, canonical
@@ -52,15 +61,28 @@ struct probe_color {
     bool covered;
 };
 
+/* What estimates are made of: sums over cells, e being a cell's error and n its covered pixels. */
+struct probe_tally {
+    double cells, all_cells, e, n, ee, en, nn;
+    double growth,
+        growth2; /* of pixels' errors, that roundings are expected to make; and squares */
+};
+
 struct probe_error {
-    double mean;   /* absolute error of linear R G B over covered pixels */
-    double spread; /* standard error of that mean, from the spread over the cells */
-    size_t pixels; /* covered */
+    double mean;     /* absolute error of linear R G B over covered pixels */
+    double spread;   /* standard error of that mean, from the spread over the cells; 0: all were
+                        looked at */
+    double rounding; /* that float arithmetic may add to the mean: probe_rounding.c */
+    size_t pixels;   /* covered */
+    struct probe_tally tally;
 };
 /* group: of every splat of the scene, or, when `local`, of every splat of the probe; NULL: none. */
 enum stp_result probe_judge(const struct stp_env *env, const struct probe *probe,
                             const struct stp_plan *plan, probe_keep_fn keep, const uint8_t *group,
                             bool local, struct probe_error *error);
+
+/* `part` is of other cells: both together. */
+void probe_error_join(struct probe_error *error, const struct probe_error *part);
 
 /* Groups the probe's splats among themselves, as a foretaste of grouping the whole scene: K is
  * then too low, and the error about right. To be freed. */
@@ -72,6 +94,13 @@ enum stp_result probe_group(const struct stp_env *env, const struct probe *probe
  * pixel. */
 enum stp_result probe_compare(const struct stp_env *env, const struct probe *probe,
                               const struct probe_color *color, struct probe_error *error);
+
+/* probe_rounding.c: a pixel's fragments as if all roundings of float arithmetic were so many times
+ * as large, by signs that hang on splat and pixel alone; returns how many are left. */
+size_t probe_perturb(const struct probe *probe, struct probe_fragment *fragment, size_t count);
+double probe_amplify(const struct probe_sample *sample, unsigned parts);
+/* What roundings may add to the mean error of the whole picture; 0 where nothing was perturbed. */
+double probe_rounding(const struct probe_tally *tally);
 
 /* probe_resolve.c: a pixel's kept fragments, in canonical order. */
 struct probe_pixel {

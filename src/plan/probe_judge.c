@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/thread.h"
 #include "prepare/prepare.h"
 
 #define CELL_PIXELS (PROBE_CELL * PROBE_CELL)
@@ -41,7 +42,9 @@ struct judging {
     bool local;
     unsigned most_layers;
     double slack;
-    struct probe_fragment *scratch;
+    size_t most;                    /* fragments of a pixel */
+    struct probe_fragment *scratch; /* so many for each thread */
+    struct probe_tally *tally;      /* one a cell */
 };
 
 static double difference(const double a[3], const double b[3])
@@ -49,89 +52,154 @@ static double difference(const double a[3], const double b[3])
     return (fabs(a[0] - b[0]) + fabs(a[1] - b[1]) + fabs(a[2] - b[2])) / 3;
 }
 
-static double pixel_error(const struct judging *j, size_t pixel)
+/* As the method draws the pixel, in exact or in perturbed arithmetic. False: nothing is left. */
+static bool draw_pixel(const struct judging *j, size_t pixel, bool perturbed,
+                       struct probe_fragment *scratch, double color[3])
 {
     const struct probe *probe = j->probe;
     size_t first = probe->first[pixel], count = probe->first[pixel + 1] - first;
-    memcpy(j->scratch, &probe->fragment[first], count * sizeof *j->scratch);
+    memcpy(scratch, &probe->fragment[first], count * sizeof *scratch);
     for (size_t i = 0; j->group && i < count; i++) {
-        uint32_t id = j->scratch[i].splat;
-        j->scratch[i].group = j->group[j->local ? local_index(probe, id) : id];
+        uint32_t id = scratch[i].splat;
+        scratch[i].group = j->group[j->local ? local_index(probe, id) : id];
     }
-    j->keep(j->plan, j->scratch, count);
-    const struct probe_pixel of = { j->scratch, count, j->most_layers, j->slack };
-    double color[3];
-    probe_resolve(probe, pixel, &of, color);
-    return difference(color, &probe->truth[3 * pixel]);
+    if (perturbed)
+        count = probe_perturb(probe, scratch, count);
+    if (count)
+        j->keep(j->plan, scratch, count);
+    const struct probe_pixel of = { scratch, count, j->most_layers, j->slack };
+    return probe_resolve(probe, pixel, &of, color) > 0;
 }
 
-/* The mean of a ratio: errors over covered pixels, both summed by cell. */
-static void summarise(const double *sum, const unsigned *covered, unsigned cells,
+/* A pixel that perturbation uncovers stands for one, as far off its outline, that it would cover.
+ */
+static void judge_pixel(const struct judging *j, size_t pixel, struct probe_fragment *scratch,
+                        struct probe_tally *cell)
+{
+    const double *truth = &j->probe->truth[3 * pixel];
+    double color[3], other[3], times = j->probe->amplify;
+    draw_pixel(j, pixel, false, scratch, color);
+    bool covered = draw_pixel(j, pixel, true, scratch, other);
+    double error = difference(color, truth);
+    double growth = (difference(other, truth) - error) * (covered ? 1 : 2);
+    cell->e += error;
+    cell->n++;
+    cell->growth += growth / times;
+    cell->growth2 += growth * growth / times;
+}
+
+static void judge_cells(void *context, size_t begin, size_t end, unsigned worker)
+{
+    const struct judging *j = context;
+    struct probe_fragment *scratch = j->scratch + j->most * worker;
+    for (size_t i = begin * CELL_PIXELS; i < end * CELL_PIXELS; i++)
+        if (j->probe->first[i + 1] > j->probe->first[i])
+            judge_pixel(j, i, scratch, &j->tally[i / CELL_PIXELS]);
+}
+
+static void compare_cell(const struct probe *probe, size_t cell, const struct probe_color *color,
+                         struct probe_tally *tally)
+{
+    for (size_t i = cell * CELL_PIXELS; i < (cell + 1) * CELL_PIXELS; i++) {
+        if (probe->first[i + 1] == probe->first[i] && !color[i].covered)
+            continue;
+        tally->e += difference(color[i].color, &probe->truth[3 * i]);
+        tally->n++;
+    }
+}
+
+/* The mean of a ratio: errors over covered pixels, both summed by cell. Cells that are taken from a
+ * finite number of them tell the more the fewer are left. */
+static void conclude(const struct probe_tally *t, struct probe_error *error)
+{
+    *error = (struct probe_error){ .tally = *t };
+    if (!(t->n > 0))
+        return;
+    error->pixels = (size_t)t->n;
+    error->mean = t->e / t->n;
+    double squares = t->ee - 2 * error->mean * t->en + error->mean * error->mean * t->nn;
+    double left = t->all_cells > t->cells ? 1 - t->cells / t->all_cells : 0;
+    error->spread = sqrt(fmax(squares, 0) * left) / t->n;
+    error->rounding = probe_rounding(t);
+}
+
+static void add(struct probe_tally *sum, const struct probe_tally *t)
+{
+    sum->cells += t->cells;
+    sum->e += t->e;
+    sum->n += t->n;
+    sum->ee += t->ee;
+    sum->en += t->en;
+    sum->nn += t->nn;
+    sum->growth += t->growth;
+    sum->growth2 += t->growth2;
+}
+
+/* In the order of the cells, whichever thread did them. */
+static void summarise(const struct probe *probe, struct probe_tally *cell,
                       struct probe_error *error)
 {
-    double total = 0, squares = 0;
-    *error = (struct probe_error){ 0 };
-    for (unsigned c = 0; c < cells; c++) {
-        total += sum[c];
-        error->pixels += covered[c];
+    struct probe_tally sum = { .all_cells = probe->all_cells };
+    for (unsigned c = 0; c < probe->cells; c++) {
+        struct probe_tally *t = &cell[c];
+        t->cells = 1;
+        t->ee = t->e * t->e;
+        t->en = t->e * t->n;
+        t->nn = t->n * t->n;
+        add(&sum, t);
     }
-    if (!error->pixels)
-        return;
-    error->mean = total / (double)error->pixels;
-    for (unsigned c = 0; c < cells; c++) {
-        double off = sum[c] - error->mean * covered[c];
-        squares += off * off;
-    }
-    error->spread = sqrt(squares) / (double)error->pixels;
+    conclude(&sum, error);
+}
+
+void probe_error_join(struct probe_error *error, const struct probe_error *part)
+{
+    struct probe_tally both = error->tally;
+    add(&both, &part->tally);
+    conclude(&both, error);
 }
 
 enum stp_result probe_judge(const struct stp_env *env, const struct probe *probe,
                             const struct stp_plan *plan, probe_keep_fn keep, const uint8_t *group,
                             bool local, struct probe_error *error)
 {
-    size_t most = most_fragments(probe), cells = probe->cells ? probe->cells : 1;
+    size_t cells = probe->cells ? probe->cells : 1, threads = thread_count(env);
     bool peels = plan->transparency == STP_TRANSPARENCY_PEEL, steps = plan->constant[PLAN_PACKED];
-    struct judging j = { probe, plan, keep, group, local, UINT32_MAX, 0, NULL };
+    struct judging j = { .probe = probe,
+                         .plan = plan,
+                         .keep = keep,
+                         .group = group,
+                         .local = local,
+                         .most_layers = UINT32_MAX,
+                         .most = most_fragments(probe) };
     if (peels)
         j.most_layers = plan_repeats(plan);
-    if (steps && probe->view.transparent)
+    if (steps)
         j.slack = 0.25 / (double)plan->frame.depth_scale;
-    double *sum = mem_zalloc(cells, sizeof *sum);
-    unsigned *covered = mem_zalloc(cells, sizeof *covered);
-    j.scratch = mem_alloc(most, sizeof *j.scratch);
-    bool made = sum && covered && j.scratch;
-    for (size_t i = 0; made && i < probe->pixels; i++) {
-        if (probe->first[i + 1] == probe->first[i])
-            continue;
-        sum[i / CELL_PIXELS] += pixel_error(&j, i);
-        covered[i / CELL_PIXELS]++;
+    j.tally = mem_zalloc(cells, sizeof *j.tally);
+    j.scratch = mem_alloc(j.most * threads, sizeof *j.scratch);
+    bool made = j.tally && j.scratch;
+    if (made) {
+        parallel_for(env, probe->cells, 16, judge_cells, &j);
+        summarise(probe, j.tally, error);
     }
-    if (made)
-        summarise(sum, covered, probe->cells, error);
-    mem_free(sum);
-    mem_free(covered);
+    mem_free(j.tally);
     mem_free(j.scratch);
-    return made ? STP_OK : log_no_memory(env, most * sizeof *j.scratch, "judging a probe");
+    return made ? STP_OK
+                : log_no_memory(env, j.most * threads * sizeof *j.scratch, "judging a probe");
 }
 
 enum stp_result probe_compare(const struct stp_env *env, const struct probe *probe,
                               const struct probe_color *color, struct probe_error *error)
 {
     size_t cells = probe->cells ? probe->cells : 1;
-    double *sum = mem_zalloc(cells, sizeof *sum);
-    unsigned *covered = mem_zalloc(cells, sizeof *covered);
-    bool made = sum && covered;
-    for (size_t i = 0; made && i < probe->pixels; i++) {
-        if (probe->first[i + 1] == probe->first[i] && !color[i].covered)
-            continue;
-        sum[i / CELL_PIXELS] += difference(color[i].color, &probe->truth[3 * i]);
-        covered[i / CELL_PIXELS]++;
-    }
-    if (made)
-        summarise(sum, covered, probe->cells, error);
-    mem_free(sum);
-    mem_free(covered);
-    return made ? STP_OK : log_no_memory(env, cells * sizeof *sum, "judging a probe");
+    struct probe_tally *tally = mem_zalloc(cells, sizeof *tally);
+    if (!tally)
+        return log_no_memory(env, cells * sizeof *tally, "judging a probe");
+    for (unsigned c = 0; c < probe->cells; c++)
+        compare_cell(probe, c, color, &tally[c]);
+    summarise(probe, tally, error);
+    mem_free(tally);
+    return STP_OK;
 }
 
 static enum stp_result judge_drawn(const struct stp_env *env, const struct probe *probe,

@@ -36,7 +36,7 @@ static bool one_surface(const struct view *view, const struct ray *ray,
             take(&nearest, &pixel->fragment[i]);
     if (nearest.depth == INFINITY)
         return false;
-    double last = nearest.depth + splat_epsilon(view, nearest.id);
+    double last = nearest.depth + splat_epsilon(view, nearest.id) + pixel->slack;
     for (size_t i = 0; i < pixel->count; i++)
         if (pixel->fragment[i].kept && !(pixel->fragment[i].depth > last))
             sum(view, &sums, &pixel->fragment[i]);

@@ -9,6 +9,7 @@
 
 #define CELL_PIXELS (PROBE_CELL * PROBE_CELL)
 #define NO_CELL     UINT32_MAX
+#define ACROSS      (SURVEY_BLOCK / PROBE_CELL) /* places for cells of a block, a side */
 #define NEAR_REACH  1.5
 
 /* A pixel of the probe that nothing covers yet may be reached by discs from afar. */
@@ -22,8 +23,8 @@ struct drawing {
     const struct probe *probe;
     struct probe_color *color;
     struct empty *empty;
-    uint32_t *cell_of; /* of each block of the picture */
-    uint32_t across, down;
+    uint32_t *cell_of;     /* of each place where a cell may be, row by row */
+    uint32_t across, down; /* such places */
 };
 
 /* What a pixel shows: normal in the device's frame. */
@@ -171,10 +172,10 @@ static void reach_cell(const struct drawing *d, uint32_t cell, const struct pyra
     }
 }
 
-static void block_range(double low, double high, uint32_t blocks, int64_t *first, int64_t *last)
+static void cell_range(double low, double high, uint32_t cells, int64_t *first, int64_t *last)
 {
-    *first = (int64_t)fmax(floor(low / SURVEY_BLOCK), 0);
-    *last = (int64_t)fmin(floor(high / SURVEY_BLOCK), blocks - 1.0);
+    *first = (int64_t)fmax(floor(low / PROBE_CELL), 0);
+    *last = (int64_t)fmin(floor(high / PROBE_CELL), cells - 1.0);
 }
 
 static void reach_far(const struct drawing *d, int64_t x, int64_t y)
@@ -195,8 +196,8 @@ static void reach_far(const struct drawing *d, int64_t x, int64_t y)
         return;
     rx = fmin(rx + 0.5, STP_RIM_REACH);
     ry = fmin(ry + 0.5, STP_RIM_REACH);
-    block_range(center[0] - rx, center[0] + rx, d->across, &low[0], &high[0]);
-    block_range(center[1] - ry, center[1] + ry, d->down, &low[1], &high[1]);
+    cell_range(center[0] - rx, center[0] + rx, d->across, &low[0], &high[0]);
+    cell_range(center[1] - ry, center[1] + ry, d->down, &low[1], &high[1]);
     for (int64_t by = low[1]; by <= high[1]; by++)
         for (int64_t bx = low[0]; bx <= high[0]; bx++) {
             uint32_t cell = d->cell_of[(size_t)by * d->across + (size_t)bx];
@@ -267,7 +268,7 @@ static void draw_all(const struct drawing *d)
         d->cell_of[b] = NO_CELL;
     for (unsigned c = 0; c < d->probe->cells; c++) {
         const uint32_t *corner = d->probe->corner[c];
-        d->cell_of[(size_t)(corner[1] / SURVEY_BLOCK) * d->across + corner[0] / SURVEY_BLOCK] = c;
+        d->cell_of[(size_t)(corner[1] / PROBE_CELL) * d->across + corner[0] / PROBE_CELL] = c;
     }
     for (size_t i = 0; i < d->probe->pixels; i++) {
         begin_pixel(d, i);
@@ -285,8 +286,8 @@ static enum stp_result draw(const struct stp_env *env, const struct probe *probe
     struct drawing d = { .p = &pyramid,
                          .probe = probe,
                          .color = color,
-                         .across = (probe->view.width + SURVEY_BLOCK - 1) / SURVEY_BLOCK,
-                         .down = (probe->view.height + SURVEY_BLOCK - 1) / SURVEY_BLOCK };
+                         .across = (probe->view.width + SURVEY_BLOCK - 1) / SURVEY_BLOCK * ACROSS,
+                         .down = (probe->view.height + SURVEY_BLOCK - 1) / SURVEY_BLOCK * ACROSS };
     enum stp_result result = pyramid_make(env, plan, &probe->view, &pyramid);
     if (result != STP_OK)
         return result;

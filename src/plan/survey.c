@@ -7,7 +7,7 @@
 #include "base/thread.h"
 #include "shared/frame.h"
 
-#define MOST_SPLATS 131072 /* of larger scenes this many are looked at, about */
+#define MOST_SPLATS 131072 /* of larger scenes this many are looked at, about; all with a bound */
 #define RANGE       128    /* groups of neighbours that share a budget */
 #define BUDGET      65536  /* blocks that a range visits one by one */
 #define UNIT        64.0   /* sums are integers in 64ths, so that their order is nothing */
@@ -113,7 +113,8 @@ enum stp_result survey_make(const struct stp_env *env, const struct stp_scene *s
                             struct survey *survey)
 {
     struct spot_view view = spot_view_of(scene, camera, params);
-    size_t n = scene->splats.count, stride = (n + MOST_SPLATS - 1) / MOST_SPLATS;
+    size_t n = scene->splats.count;
+    size_t stride = params->max_error > 0 ? 1 : (n + MOST_SPLATS - 1) / MOST_SPLATS;
     struct survey made = { .splats = (double)n,
                            .pixels = (double)camera->width * camera->height,
                            .across = (camera->width + SURVEY_BLOCK - 1) / SURVEY_BLOCK,

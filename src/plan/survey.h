@@ -1,6 +1,7 @@
 /* What a view of a scene amounts to, in the figures that a frame's cost is made of: counted from
  * the splats' bounds on the screen, without drawing a fragment. Of large scenes one splat in so
- * many stands for the rest. The same for any number of threads. */
+ * many stands for the rest, unless a bound is asked for: then every block that is touched is known,
+ * and a probe of all their cells is the whole picture. The same for any number of threads. */
 #ifndef STP_PLAN_SURVEY_H
 #define STP_PLAN_SURVEY_H
 

@@ -11,18 +11,25 @@
 #include "base/memory.h"
 #include "plan/profile.h"
 
-#define KINDS "with layers and the pyramid" /* what there are prices of */
+#define HASH_START 0xcbf29ce484222325u
 
-/* FNV-1a, of several strings with their ends. */
-static uint64_t hash(const char *const *text, unsigned count)
+/* FNV-1a, of a string with its end. */
+static uint64_t hash(uint64_t h, const char *text)
 {
-    uint64_t h = 0xcbf29ce484222325u;
-    for (unsigned i = 0; i < count; i++)
-        for (const char *c = text[i];; c++) {
-            h = (h ^ (unsigned char)*c) * 0x100000001b3u;
-            if (!*c)
-                break;
-        }
+    do
+        h = (h ^ (unsigned char)*text) * 0x100000001b3u;
+    while (*text++);
+    return h;
+}
+
+/* What the prices are for: of another device, or without those of a new kind, they are of no use.
+ */
+static uint64_t key_of(const struct stp_limits *limits)
+{
+    uint64_t h = hash(hash(HASH_START, limits->device), limits->driver);
+    h = hash(h, stp_version());
+    for (unsigned kind = 0; kind < PLAN_COSTS; kind++)
+        h = hash(h, plan_cost_name((enum plan_cost)kind));
     return h;
 }
 
@@ -33,7 +40,6 @@ enum stp_result calibrate_cache_path(const struct stp_env *env, const struct stp
     const char *cache = getenv("XDG_CACHE_HOME"), *home = getenv("HOME");
     bool own = cache && cache[0] == '/';
     const char *base = own ? cache : home, *middle = own ? "" : "/.cache";
-    const char *const key[] = { limits->device, limits->driver, stp_version(), KINDS };
     if (!base || base[0] != '/')
         return STP_OK;
     size_t size = strlen(base) + 64;
@@ -41,7 +47,7 @@ enum stp_result calibrate_cache_path(const struct stp_env *env, const struct stp
     if (!made)
         return log_no_memory(env, size, "the cache's name");
     snprintf(made, size, "%s%s/stipple/calibration-%016llx.json", base, middle,
-             (unsigned long long)hash(key, 4));
+             (unsigned long long)key_of(limits));
     *path = made;
     return STP_OK;
 }

@@ -5,14 +5,15 @@ import os
 
 import command
 
-KINDS = "with layers and the pyramid"  # what there are prices of: src/study/cache.c
 VIEW = ["--size", "128x128", "--min-splat", "0", "--cull", "back"]
 
 
-def key(device, driver, version):
-    """The cache's name for a device: FNV-1a over the strings with their ends."""
+def key(profile, version):
+    """The cache's name for a device and the kinds of prices: FNV-1a over the strings with their ends."""
     value = 0xcbf29ce484222325
-    for byte in b"".join(text.encode() + b"\0" for text in (device, driver, version, KINDS)):
+    kinds = [name for name in profile["calibration"] if name != "measured"]
+    names = [profile["device"], profile["driver"], version, *kinds]
+    for byte in b"".join(text.encode() + b"\0" for text in names):
         value = (value ^ byte) * 0x100000001b3 & (1 << 64) - 1
     return "calibration-%016x.json" % value
 
@@ -21,8 +22,7 @@ class Auto(command.CommandTest):
     def cache_path(self):
         profile = self.done_json("devices", "--json")
         version = self.done("--version").split()[1]
-        return profile, version, os.path.join(
-            self.cache, "stipple", key(profile["device"], profile["driver"], version))
+        return profile, version, os.path.join(self.cache, "stipple", key(profile, version))
 
     def fill_cache(self):
         """As if the device had been calibrated."""

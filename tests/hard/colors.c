@@ -24,18 +24,17 @@ static void rims(const struct hard_options *o, struct hard_scene *s)
 
 /* All normals are the same and colours lie in [0, 1]: an average of them does too, whatever the
  * weights. 1e-4: rounding. */
+static double off_rim(const struct hard_scene *s, const struct stp_image *image, uint32_t px,
+                      uint32_t py)
+{
+    double r = value(image, "albedo.R", px, py), g = value(image, "albedo.G", px, py);
+    double out = fmax(fmax(-r, r - 1), fmax(-g, g - 1));
+    return fmax(out, fabs(value(image, "N.Z", px, py) - 1)) / 1e-4;
+}
+
 static double check_rims(const struct hard_scene *s, const struct stp_image *image)
 {
-    double worst = 0;
-    for (uint32_t i = 0; i < image->width * image->height; i++) {
-        uint32_t px = i % image->width, py = i / image->width;
-        if (!isfinite(value(image, "Z", px, py)))
-            continue;
-        double r = value(image, "albedo.R", px, py), g = value(image, "albedo.G", px, py);
-        double out = fmax(fmax(-r, r - 1), fmax(-g, g - 1));
-        worst = fmax(worst, fmax(out, fabs(value(image, "N.Z", px, py) - 1)) / 1e-4);
-    }
-    return worst;
+    return hard_worst(s, image, off_rim);
 }
 
 static void bright(const struct hard_options *o, struct hard_scene *s)
@@ -46,10 +45,7 @@ static void bright(const struct hard_options *o, struct hard_scene *s)
         double scale = i % 3 == 0 ? 65504 : i % 3 == 1 ? 1e6 : 1;
         points_paint(&cloud, i, v3(scale, scale * hard_random(&seed), 0.25));
     }
-    s->scene = points_scene(&cloud, 0, 2);
-    s->camera = hard_look(o, v3(0, 0, 0), 4.6, 30);
-    s->params = (struct stp_render_params){ .min_splat = -1 };
-    points_release(&cloud);
+    hard_show_ball(o, s, &cloud);
 }
 
 /* Written as halves and read back: what is above 65504 is 65504, what is below as halves round. */

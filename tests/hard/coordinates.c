@@ -56,21 +56,20 @@ static void survey(const struct hard_options *o, struct hard_scene *s)
 
 /* Discs of a radius a and more apart by a turn of k a: the mean of them stays within one such turn
  * of the ground's own normal. A flattened relief would be off by k times its height, twice that. */
+static double off_relief(const struct hard_scene *s, const struct stp_image *image, uint32_t px,
+                         uint32_t py)
+{
+    double x = value(image, "P.X", px, py) + image->origin[0] - s->truth[0];
+    double z = value(image, "P.Z", px, py) + image->origin[2] - s->truth[1];
+    struct vec3 n =
+        v3(value(image, "N.X", px, py), value(image, "N.Y", px, py), value(image, "N.Z", px, py));
+    return v3_length(v3_sub(n, relief_normal(x, z)));
+}
+
 static double check_survey(const struct hard_scene *s, const struct stp_image *image)
 {
-    double worst = 0, k = 2 * M_PI / RELIEF_WAVE;
-    double bound = 1.2 * s->truth[2] * k * k * RELIEF_HEIGHT;
-    for (uint32_t i = 0; i < image->width * image->height; i++) {
-        uint32_t px = i % image->width, py = i / image->width;
-        if (!isfinite(value(image, "Z", px, py)))
-            continue;
-        double x = value(image, "P.X", px, py) + image->origin[0] - s->truth[0];
-        double z = value(image, "P.Z", px, py) + image->origin[2] - s->truth[1];
-        struct vec3 n = v3(value(image, "N.X", px, py), value(image, "N.Y", px, py),
-                           value(image, "N.Z", px, py));
-        worst = fmax(worst, v3_length(v3_sub(n, relief_normal(x, z))));
-    }
-    return worst / bound;
+    double k = 2 * M_PI / RELIEF_WAVE, bound = 1.2 * s->truth[2] * k * k * RELIEF_HEIGHT;
+    return hard_worst(s, image, off_relief) / bound;
 }
 
 /* A ball two across, moved by `sizes` of its size along each axis. */

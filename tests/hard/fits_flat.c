@@ -100,15 +100,22 @@ static void open_border(const struct hard_options *o, struct hard_scene *s)
     points_release(&cloud);
 }
 
-/* A least ellipse reaches farthest past the side of a triangle, of all convex shapes: by a third of
- * its height (John: half of the ellipse lies within the shape), and patches of a square may be
- * triangles of its height. It is made larger by half a distance to the 6th neighbour and a little,
- * that is a spacing; as much again for samples at random. (A third is proven where the axes
- * are free or along the side; the fit's are given by the normals.) The square itself is covered, at
- * its own depth. */
+/* How far a least ellipse of given axes may reach past the side of a unit square that holds its
+ * points. Where it is least, contacts p with weights of sum 1 exist whose mean is its centre and
+ * whose second moments along the axes are a^2 / 2 and b^2 / 2 (Kuhn-Tucker; least in 1/a, 1/b and
+ * the centre over them, which is convex). Let t be a contact's way from the centre towards the
+ * side, e the way along it, T and E their second moments: turning the axes, the ellipse reaches R
+ * past its centre with R^2 <= T + (C sqrt T + S sqrt E)^2, C^2 + S^2 = 1, so R^2 <= 2 T + E. The
+ * side is at h
+ * >= 0 from the centre and t in [h - 1, h], so T <= h (1 - h); E <= 1/4. R - h is then at most (3
+ * sqrt 2 - 2) / 4, for h = (2 - sqrt 2) / 4. */
+#define PAST_SIDE ((3 * M_SQRT2 - 2) / 4)
+
+/* The ellipse is made larger by half a distance to the 6th neighbour and a little, that is a
+ * spacing; as much again for samples at random. The square itself is covered, at its own depth. */
 static double check_border(const struct hard_scene *s, const struct stp_image *image)
 {
-    double most = 0.5 + 1.0 / 3 + 2 * s->truth[6], worst = 0;
+    double most = 0.5 + PAST_SIDE + 2 * s->truth[6], worst = 0;
     for (uint32_t k = 0; k < image->width * image->height; k++) {
         struct hard_seen seen = hard_see(s, image, k);
         struct vec3 p = in_square(s, &seen);
@@ -124,27 +131,71 @@ static double check_border(const struct hard_scene *s, const struct stp_image *i
 
 /* ---- steep normals, sharp corners */
 
+#define STEEP_RADIUS    0.03
+#define STEEP_TOLERANCE 0.01
+#define STEEP_BUMPS     0.001
+
+/* x, y: from the square's corner. */
+static double steep_tilt(double x, double y, double seed)
+{
+    return 85 * M_PI / 180 * sin(4 * x + seed) * cos(3 * y);
+}
+
 /* Bumps within the tolerance, whose sides stand at 85 degrees. */
 static void steep(const struct hard_options *o, struct hard_scene *s)
 {
     struct hard_points cloud = points_make(2500);
     struct tilted_frame f = tilted(o);
     for (int i = 0; i < 2500; i++) {
-        double x = i % 50 / 50.0, y = i / 50 / 50.0;
-        double tilt = 85 * M_PI / 180 * sin(4 * x + o->seed) * cos(3 * y);
-        struct vec3 p = place(&f, x - 0.5, y - 0.5, 0.001 * sin(90 * x * y));
-        points_add(&cloud, p, place(&f, sin(tilt), 0, cos(tilt)), 0.03);
+        double x = i % 50 / 50.0, y = i / 50 / 50.0, tilt = steep_tilt(x, y, o->seed);
+        struct vec3 p = place(&f, x - 0.5, y - 0.5, STEEP_BUMPS * sin(90 * x * y));
+        points_add(&cloud, p, place(&f, sin(tilt), 0, cos(tilt)), STEEP_RADIUS);
     }
-    hard_fit(s, &cloud, 0, 0.01);
+    hard_fit(s, &cloud, 0, STEEP_TOLERANCE);
     hard_look_at_fit(o, s, v3(0, 0, 0), 2.6);
     remember_frame(s, &f);
+    s->truth[6] = o->seed;
     points_release(&cloud);
 }
 
-/* Within the tolerance and the bumps, and no normal past the right angle that no sample reaches. */
+/* No sample is tilted past 60 degrees from which a splat could be seen at this place: a splat that
+ * stands up reaches two radii, and is seen 31 degrees aslant. */
+static bool is_flat(const struct hard_scene *s, struct vec3 p)
+{
+    double reach = 2 * STEEP_RADIUS * (1 + tan(31 * M_PI / 180)), most = 0;
+    for (int k = 0; k < 441; k++) {
+        double x = p.x + 0.5 + reach * (k % 21 / 10.0 - 1),
+               y = p.y + 0.5 + reach * (k / 21 / 10.0 - 1);
+        most = fmax(most, fabs(steep_tilt(x, y, s->truth[6])));
+    }
+    return most <= M_PI / 3;
+}
+
+/* Where the normals are within 60 degrees of the plane that the samples lie in, that plane is
+ * theirs (patch_plane): it is seen, to the tolerance and the bumps, and no normal is past the right
+ * angle, which no linear field reaches. Where they are not, the samples contradict their
+ * neighbours' plane, and are taken by their word, as unfitted ones are: splats stand up, by their
+ * radius and at most as much again, and may be seen edge-on or from behind. */
 static double check_steep(const struct hard_scene *s, const struct stp_image *image)
 {
-    return check_square(s, image, 0.012, M_PI / 2);
+    double off = STEEP_TOLERANCE + 2 * STEEP_BUMPS, worst = 0;
+    struct vec3 w = v3_load(s->truth);
+    unsigned flat = 0;
+    for (uint32_t k = 0; k < image->width * image->height; k++) {
+        struct hard_seen seen = hard_see(s, image, k);
+        struct vec3 p = in_square(s, &seen);
+        if (fmax(fabs(p.x), fabs(p.y)) > 0.45)
+            continue;
+        bool plain = is_flat(s, p);
+        flat += plain;
+        if (!seen.covered && plain)
+            return INFINITY;
+        if (!seen.covered)
+            continue;
+        worst = fmax(worst, fabs(v3_dot(seen.point, w)) / (off + (plain ? 0 : 2 * STEEP_RADIUS)));
+        worst = fmax(worst, plain ? hard_angle(seen.normal, w) / (M_PI / 2) : 0);
+    }
+    return flat ? worst : INFINITY;
 }
 
 #define SIDE 24 /* samples along an edge of the cube */
@@ -236,12 +287,15 @@ static const struct hard_case cases[] = {
       "The front's own plane and normal, to rounding: no splat holds samples of both sides", thin,
       check_thin, HARD_FIT_GROUPED, 0, 0, 0, NULL, 0 },
     { "An open border",
-      "The square is covered, in its plane; nothing is drawn farther off than a least ellipse may "
-      "reach past a triangle's side, and two spacings",
+      "The square is covered, in its plane; nothing is drawn farther off than a least ellipse of "
+      "any "
+      "axes may reach past a side (0.561 of it), and two spacings",
       open_border, check_border, HARD_FIT_GROUPED, 0, 0, 0, NULL, 0 },
     { "Normals of 85 degrees in a flat fit",
-      "The plane to the tolerance, and no normal past a right angle from it", steep, check_steep,
-      HARD_FIT_GROUPED, 0, HARD_FIT_PACKED, 0, NULL, 0 },
+      "Where normals stay within 60 degrees of the plane: the plane to the tolerance, and no "
+      "normal "
+      "past a right angle from it. Elsewhere samples contradict it and stand up: within two radii",
+      steep, check_steep, HARD_FIT_GROUPED, 0, HARD_FIT_PACKED, 0, NULL, 0 },
     { "Corners of three planes",
       "Each face's plane and normal, to rounding, from 2.5 samples off its edges; nothing sticks "
       "out "

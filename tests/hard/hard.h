@@ -99,6 +99,8 @@ struct stp_camera hard_look(const struct hard_options *o, struct vec3 target, do
 /* What the cloud is, rounded and with an epsilon of 0.02, as the camera sees it; releases it. */
 void hard_show(struct hard_scene *s, struct hard_points *cloud, struct stp_camera camera,
                double min_splat);
+/* A ball about 0, as it is, from all sides; releases it. */
+void hard_show_ball(const struct hard_options *o, struct hard_scene *s, struct hard_points *cloud);
 struct vec3 hard_towards_eye(const struct hard_options *o);
 double hard_random(uint32_t *seed); /* [0, 1) */
 struct vec3 hard_color(uint32_t *seed);
@@ -134,6 +136,10 @@ struct stp_render_params hard_way_params(const struct hard_way *way,
 void hard_group(struct stp_scene *scene);
 struct stp_image *hard_reference(const struct stp_scene *scene, const struct stp_camera *camera,
                                  const struct stp_render_params *params);
+/* The largest of all covered pixels. */
+typedef double (*hard_pixel_fn)(const struct hard_scene *s, const struct stp_image *image,
+                                uint32_t px, uint32_t py);
+double hard_worst(const struct hard_scene *s, const struct stp_image *image, hard_pixel_fn pixel);
 /* The lesser PSNR of the normals' components and of depth over its own median; over pixels that
  * both cover. */
 double hard_psnr(const struct stp_image *image, const struct stp_image *truth);

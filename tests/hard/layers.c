@@ -241,22 +241,22 @@ static void within_glass(const struct hard_options *o, struct hard_scene *s)
 
 /* Fresnel shares what is mirrored and what is bent: their sum is between the least and the most of
  * the sky, and nothing of it is lost. The layers themselves hide 1e-6. */
-static double check_sky(const struct hard_scene *s, const struct stp_image *image)
+static double off_sky(const struct hard_scene *s, const struct stp_image *image, uint32_t px,
+                      uint32_t py)
 {
     static const char *const names[] = { "R", "G", "B" };
     static const double least[] = { 0.3, 0.8, 0.1 }, most[] = { 1.7, 1.3, 1.3 };
-    double worst = 0;
-    for (uint32_t i = 0; i < image->width * image->height; i++) {
-        uint32_t px = i % image->width, py = i / image->width;
-        if (!isfinite(value(image, "Z", px, py)))
-            continue;
-        worst = fmax(worst, value(image, "A", px, py) == 1 ? 0 : 2);
-        for (int c = 0; c < 3; c++) {
-            double v = value(image, names[c], px, py);
-            worst = fmax(worst, fmax(least[c] / v, v / most[c]) - 1e-3);
-        }
+    double worst = value(image, "A", px, py) == 1 ? 0 : 2;
+    for (int c = 0; c < 3; c++) {
+        double v = value(image, names[c], px, py);
+        worst = fmax(worst, fmax(least[c] / v, v / most[c]) - 1e-3);
     }
     return worst;
+}
+
+static double check_sky(const struct hard_scene *s, const struct stp_image *image)
+{
+    return hard_worst(s, image, off_sky);
 }
 
 /* What a ball of varying opacity is without a background comes back from it over two others. */

@@ -69,10 +69,7 @@ static void sphere(const struct hard_options *o, struct hard_scene *s)
         e->field[3] = e->radius[1];
         s->truth[0] = fmax(s->truth[0], r);
     }
-    s->scene = points_scene(&cloud, 0, 2);
-    s->camera = hard_look(o, v3(0, 0, 0), 4.6, 30);
-    s->params = (struct stp_render_params){ .min_splat = -1 };
-    points_release(&cloud);
+    hard_show_ball(o, s, &cloud);
 }
 
 /* What is averaged lies on one ray between the sphere and sqrt(1 + r^2), a shell of t, and has the
@@ -223,17 +220,16 @@ static void opposed(const struct hard_options *o, struct hard_scene *s)
 
 /* The nearer one's normal, whose x is 1, and its colour. The bound is that of packed keys, 1/255.
  */
+static double off_near(const struct hard_scene *s, const struct stp_image *image, uint32_t px,
+                       uint32_t py)
+{
+    double x = value(image, "N.X", px, py), red = value(image, "albedo.R", px, py);
+    return fmax(fabs(x - 1), fabs(red - 1)) * 255;
+}
+
 static double check_opposed(const struct hard_scene *s, const struct stp_image *image)
 {
-    double worst = 0;
-    for (uint32_t k = 0; k < image->width * image->height; k++) {
-        uint32_t px = k % image->width, py = k / image->width;
-        if (!isfinite(value(image, "Z", px, py)))
-            continue;
-        double x = value(image, "N.X", px, py), red = value(image, "albedo.R", px, py);
-        worst = fmax(worst, fmax(fabs(x - 1), fabs(red - 1)) * 255);
-    }
-    return worst;
+    return hard_worst(s, image, off_near);
 }
 
 static const struct hard_case cases[] = {

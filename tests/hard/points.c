@@ -211,3 +211,11 @@ void hard_show(struct hard_scene *s, struct hard_points *cloud, struct stp_camer
     s->params = (struct stp_render_params){ .min_splat = min_splat };
     points_release(cloud);
 }
+
+void hard_show_ball(const struct hard_options *o, struct hard_scene *s, struct hard_points *cloud)
+{
+    s->scene = points_scene(cloud, 0, 2);
+    s->camera = hard_look(o, v3(0, 0, 0), 4.6, 30);
+    s->params = (struct stp_render_params){ .min_splat = -1 };
+    points_release(cloud);
+}

@@ -46,19 +46,19 @@ static void farther(const struct hard_options *o, struct hard_scene *s)
 
 /* The sheets are congruent: where both count, each is half of the albedo and the depth is halfway;
  * where the front alone counts, the back leaves no trace. Steps of packed depth: 2^-8 epsilon. */
+static double off(const struct hard_scene *s, const struct stp_image *image, uint32_t px,
+                  uint32_t py)
+{
+    double share = s->truth[0] <= 1 ? 0.5 : 0;
+    double depth = 4 + share * s->truth[0] * HARD_SHEETS_EPSILON;
+    double green = fabs(value(image, "albedo.G", px, py) - share);
+    double z = fabs(value(image, "Z", px, py) - depth);
+    return fmax(green / 1e-5, z / (HARD_SHEETS_EPSILON / 256));
+}
+
 static double check(const struct hard_scene *s, const struct stp_image *image)
 {
-    double share = s->truth[0] <= 1 ? 0.5 : 0,
-           depth = 4 + share * s->truth[0] * HARD_SHEETS_EPSILON, worst = 0;
-    for (uint32_t i = 0; i < image->width * image->height; i++) {
-        uint32_t px = i % image->width, py = i / image->width;
-        if (!isfinite(value(image, "Z", px, py)))
-            continue;
-        double green = fabs(value(image, "albedo.G", px, py) - share);
-        double z = fabs(value(image, "Z", px, py) - depth);
-        worst = fmax(worst, fmax(green / 1e-5, z / (HARD_SHEETS_EPSILON / 256)));
-    }
-    return worst;
+    return hard_worst(s, image, off);
 }
 
 static const struct hard_case cases[] = {

@@ -83,6 +83,18 @@ static double decibels(double squares, size_t values)
     return squares > 0 ? -10 * log10(squares / (double)values) : INFINITY;
 }
 
+double hard_worst(const struct hard_scene *s, const struct stp_image *image, hard_pixel_fn pixel)
+{
+    double worst = 0;
+    for (uint32_t i = 0; i < image->width * image->height; i++) {
+        uint32_t px = i % image->width, py = i / image->width;
+        if (!isfinite(value(image, "Z", px, py)))
+            continue;
+        worst = fmax(worst, pixel(s, image, px, py));
+    }
+    return worst;
+}
+
 double hard_psnr(const struct stp_image *image, const struct stp_image *truth)
 {
     static const char *const names[] = { "N.X", "N.Y", "N.Z" };

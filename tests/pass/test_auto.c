@@ -6,6 +6,7 @@
 #include "study/calibrate.h"
 
 static struct device device;
+static const struct probe_sample every = { 100000, 0, true }; /* pixel */
 
 static int open_device(void **state)
 {
@@ -42,19 +43,20 @@ static double measured_error(const struct stp_scene *scene, const struct stp_pla
     return comparison.covered.mean_absolute;
 }
 
-/* A quarter of every touched block's pixels: the mean over the picture is within what their spread
- * allows, and within the rounding that auto adds. */
+/* All pixels of the touched blocks: the mean over the picture is that of the device but for the
+ * rounding that auto adds. */
 static void expect_estimate(const struct stp_scene *scene, const struct stp_plan *plan)
 {
     struct survey survey;
     struct probe probe;
     struct probe_error error;
     assert_int_equal(survey_make(NULL, scene, &plan->camera, &plan->params, &survey), STP_OK);
-    assert_int_equal(probe_make(NULL, scene, &plan->camera, &plan->params, &survey, 100000, &probe),
+    assert_int_equal(probe_make(NULL, scene, &plan->camera, &plan->params, &survey, &every, &probe),
                      STP_OK);
     assert_int_equal(plan_judge(NULL, &probe, plan, scene->splats.group, false, &error), STP_OK);
     double actual = measured_error(scene, plan);
-    double tolerance = 4 * error.spread + plan_rounding(plan);
+    assert_true(error.spread == 0);
+    double tolerance = error.rounding + plan_rounding(plan);
     if (getenv("STP_TEST_VERDICTS"))
         fprintf(stderr, "%-40.40s layers %u: measured %.3g, estimated %.3g +- %.3g\n", plan->why,
                 plan->params.peel_layers, actual, error.mean, tolerance);
@@ -131,7 +133,7 @@ static void expect_pixels(const struct stp_scene *scene, const struct stp_plan *
     struct probe probe;
     const struct stp_camera *camera = &plan->camera;
     assert_int_equal(survey_make(NULL, scene, camera, &plan->params, &survey), STP_OK);
-    assert_int_equal(probe_make(NULL, scene, camera, &plan->params, &survey, 100000, &probe),
+    assert_int_equal(probe_make(NULL, scene, camera, &plan->params, &survey, &every, &probe),
                      STP_OK);
     struct probe_color *color = calloc(probe.pixels, sizeof *color);
     assert_int_equal(plan_pyramid_offer.draw(NULL, &probe, plan, color), STP_OK);

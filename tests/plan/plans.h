@@ -3,6 +3,7 @@
 #define TEST_PLANS_H
 
 #include "../pass/device.h"
+#include "plan/offer.h"
 
 /* One log line, kept. */
 struct plan_log {
@@ -110,6 +111,28 @@ static inline void expect_refusals(struct inputs (*make)(void), const struct pla
             fail_msg("no \"%s\" in: %s", refused[i].word, log.last);
         release_inputs(&in);
     }
+}
+
+/* For tests of what auto decides: lavapipe, and no prices but those that are set. */
+static inline void price_nothing(struct inputs *in)
+{
+    in->params.min_splat = -1;
+    stp_limits_lavapipe(&in->limits);
+    memset(&in->limits.calibration, 0, sizeof in->limits.calibration);
+}
+
+/* So many milliseconds a frame. */
+static inline void price_frame(struct inputs *in, enum plan_cost kind, double ms)
+{
+    in->limits.calibration.ns[kind][PLAN_TERM_FRAME] = ms * 1e6;
+}
+
+static inline struct stp_choice choose(const struct inputs *in)
+{
+    struct stp_choice choice;
+    assert_int_equal(
+        stp_choose(NULL, in->scene, &in->camera, NULL, &in->params, &in->limits, &choice), STP_OK);
+    return choice;
 }
 
 static inline const struct plan_resource *resource_named(const struct stp_plan *plan,

@@ -2,7 +2,6 @@
 #include "plans.h"
 
 #include "base/memory.h"
-#include "plan/offer.h"
 
 /* A wavy sheet of 40 x 40 discs that overlap: enough for errors and groups. */
 static struct inputs wavy(void)
@@ -15,9 +14,7 @@ static struct inputs wavy(void)
                   0.06);
     }
     scene_finish(in.scene);
-    in.params.min_splat = -1;
-    stp_limits_lavapipe(&in.limits);
-    memset(&in.limits.calibration, 0, sizeof in.limits.calibration);
+    price_nothing(&in);
     return in;
 }
 
@@ -25,7 +22,7 @@ static struct inputs wavy(void)
  * are cheaper. */
 static void price(struct inputs *in, enum plan_cost kind, double ms)
 {
-    in->limits.calibration.ns[kind][PLAN_TERM_FRAME] = ms * 1e6;
+    price_frame(in, kind, ms);
     if (kind >= PLAN_COST_DEFERRED_PACKED && kind <= PLAN_COST_DEFERRED_RASTER_ID)
         in->limits.calibration.ns[kind][PLAN_TERM_DEEP] = 5.7; /* 0.11 ms a layer */
 }
@@ -39,35 +36,31 @@ static void price_all(struct inputs *in, double deferred, double exact, double t
     price(in, PLAN_COST_TWO_PASS_RASTER, two_pass * 2);
 }
 
-static struct stp_choice choose(const struct inputs *in)
-{
-    struct stp_choice choice;
-    struct stp_group_params group = { 0 };
-    assert_int_equal(
-        stp_choose(NULL, in->scene, &in->camera, &group, &in->params, &in->limits, &choice),
-        STP_OK);
-    return choice;
-}
+#define EVERY 100000 /* cells */
+#define MANY  1536   /* CELLS_MANY of auto_judge.c */
 
-/* The mean absolute error of the plan's groups: by other means, as if all pixels were probed. */
-static double whole_error(const struct inputs *in, const struct stp_choice *choice)
+/* The error of the plan's groups by so many cells; *most: what is then said to be the most. */
+static struct probe_error error_by(const struct inputs *in, const struct stp_choice *choice,
+                                   unsigned cells, double *most)
 {
     struct survey survey;
     struct probe probe;
     struct probe_error error;
     struct stp_plan *plan = NULL;
     assert_int_equal(survey_make(NULL, in->scene, &in->camera, &in->params, &survey), STP_OK);
-    assert_int_equal(probe_make(NULL, in->scene, &in->camera, &in->params, &survey, 100000, &probe),
+    assert_int_equal(probe_make(NULL, in->scene, &in->camera, &in->params, &survey,
+                                &(const struct probe_sample){ cells, 0, cells == MANY }, &probe),
                      STP_OK);
     assert_int_equal(
         stp_plan_create(NULL, in->scene, &in->camera, &choice->params, &in->limits, &plan), STP_OK);
     assert_int_equal(probe_judge(NULL, &probe, plan, plan_offer_of(plan)->keep,
                                  in->scene->splats.group, false, &error),
                      STP_OK);
+    *most = error.mean + 3 * error.spread + error.rounding + plan_rounding(plan);
     stp_plan_destroy(&plan);
     probe_release(&probe);
     survey_release(&survey);
-    return error.mean;
+    return error;
 }
 
 /* The cheapest that meets the bound: deferred while it does, at the fewest groups; then exact; then
@@ -83,6 +76,7 @@ static void test_bounds(void **state)
                   { 5e-6, STP_METHOD_TWO_PASS } };
     for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct inputs in = wavy();
+        double most;
         price_all(&in, 1, 2, 5);
         in.params.max_error = cases[i].bound;
         struct stp_choice choice = choose(&in);
@@ -90,11 +84,56 @@ static void test_bounds(void **state)
         assert_int_equal(choice.params.method, cases[i].method);
         assert_int_equal(in.scene->facts.grouping.groups > 0,
                          cases[i].method == STP_METHOD_DEFERRED);
-        assert_true(whole_error(&in, &choice) <= cases[i].bound);
+        assert_true(error_by(&in, &choice, EVERY, &most).mean <= cases[i].bound);
         assert_true(choice.params.prediction.error <= cases[i].bound);
         assert_true(choice.params.prediction.bound == cases[i].bound);
         release_inputs(&in);
     }
+}
+
+/* A bound so near the error that no sample tells: all cells are looked at, unless another way takes
+ * hardly longer. */
+static void test_close(void **state)
+{
+    struct inputs in = wavy();
+    double most, sampled;
+    in.camera = plain_camera(400, 300, 375);
+    price_all(&in, 100, 2, 5);
+    in.params.max_error = 1;
+    struct stp_choice choice = choose(&in);
+    assert_int_equal(choice.params.method, STP_METHOD_EXACT);
+    assert_int_equal(choice.params.payload, STP_PAYLOAD_PACKED);
+    struct probe_error error = error_by(&in, &choice, EVERY, &most);
+    error_by(&in, &choice, MANY, &sampled);
+    assert_true(error.spread == 0 && error.mean > 1e-5 && most < 1.1 * error.mean);
+    assert_true(sampled > 1.001 * most);
+    in.params.max_error = (most + sampled) / 2;
+    choice = choose(&in);
+    assert_true(choice.met);
+    assert_int_equal(choice.params.payload, STP_PAYLOAD_PACKED);
+    assert_true(choice.params.prediction.error < sampled);
+    price(&in, PLAN_COST_TWO_PASS, 2.2);
+    assert_int_equal(choose(&in).params.method, STP_METHOD_TWO_PASS);
+    price(&in, PLAN_COST_TWO_PASS, 5);
+    in.params.max_error = 0.999 * error.mean;
+    assert_int_equal(choose(&in).params.method, STP_METHOD_TWO_PASS);
+    release_inputs(&in);
+}
+
+/* Prices do not tell ways apart that are about as dear: then groups are not sought. */
+static void test_doubt(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 0.6, 1, 5);
+    in.params.max_error = 0.1;
+    struct stp_choice choice = choose(&in);
+    assert_int_equal(choice.params.method, STP_METHOD_DEFERRED);
+    double deferred = choice.params.prediction.milliseconds;
+    price(&in, PLAN_COST_EXACT_PACKED, 1.1 * deferred);
+    assert_int_equal(choose(&in).params.method, STP_METHOD_EXACT);
+    price(&in, PLAN_COST_EXACT_PACKED, 1.15 * deferred);
+    assert_int_equal(choose(&in).params.method, STP_METHOD_DEFERRED);
+    release_inputs(&in);
 }
 
 /* Where another is cheaper, no groups are sought though they would do. */
@@ -291,39 +330,63 @@ static void test_refused(void **state)
     release_inputs(&in);
 }
 
-static void test_no_memory(void **state)
+/* Every allocation of a choice fails in turn: one line, and nothing is touched. */
+static void fail_each(const struct inputs *in)
 {
     enum stp_result result = STP_ERROR_MEMORY;
     for (unsigned long n = 1; result != STP_OK; n++) {
-        struct inputs in = wavy();
         struct plan_log log = { 0 };
         struct stp_env env = { .threads = 1, .log = plan_keep_line, .user = &log };
         struct stp_choice choice = { .count = 77 };
-        price_all(&in, 1, 2, 5);
-        price(&in, PLAN_COST_PYRAMID, 0.1);
-        in.params.max_error = 0.001; /* the pyramid is judged, then groups are made */
         mem_fail_at(n);
-        result = stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice);
+        result = stp_choose(&env, in->scene, &in->camera, NULL, &in->params, &in->limits, &choice);
         mem_fail_at(0);
         assert_true(result == STP_OK || result == STP_ERROR_MEMORY);
         if (result != STP_OK) {
             assert_int_equal(log.lines, 1);
             assert_int_equal(choice.count, 77);
-            assert_null(in.scene->splats.group);
+            assert_null(in->scene->splats.group);
         }
-        release_inputs(&in);
     }
+}
+
+static void test_no_memory(void **state)
+{
+    struct inputs in = wavy();
+    price_all(&in, 1, 2, 5);
+    price(&in, PLAN_COST_PYRAMID, 0.1);
+    in.params.max_error = 0.001; /* the pyramid is judged, then groups are made */
+    fail_each(&in);
+    release_inputs(&in);
+}
+
+/* And while all cells are looked at. */
+static void test_close_no_memory(void **state)
+{
+    struct inputs in = wavy();
+    double most;
+    in.camera = plain_camera(220, 165, 206);
+    price_all(&in, 100, 2, 5);
+    in.params.max_error = 1;
+    struct stp_choice choice = choose(&in);
+    in.params.method = STP_METHOD_EXACT;
+    in.params.payload = STP_PAYLOAD_PACKED;
+    in.params.max_error = error_by(&in, &choice, EVERY, &most).mean;
+    fail_each(&in);
+    release_inputs(&in);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bounds),      cmocka_unit_test(test_prices),
-        cmocka_unit_test(test_one_picture), cmocka_unit_test(test_considered),
-        cmocka_unit_test(test_fixed),       cmocka_unit_test(test_same),
-        cmocka_unit_test(test_sentence),    cmocka_unit_test(test_unmet),
-        cmocka_unit_test(test_bright),      cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_pyramid),     cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_bounds),          cmocka_unit_test(test_close),
+        cmocka_unit_test(test_doubt),           cmocka_unit_test(test_prices),
+        cmocka_unit_test(test_one_picture),     cmocka_unit_test(test_considered),
+        cmocka_unit_test(test_fixed),           cmocka_unit_test(test_same),
+        cmocka_unit_test(test_sentence),        cmocka_unit_test(test_unmet),
+        cmocka_unit_test(test_bright),          cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_pyramid),         cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_close_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -3,7 +3,6 @@
 #include "plans.h"
 
 #include "base/memory.h"
-#include "plan/offer.h"
 
 #define SHEET 48   /* discs a side */
 #define LIGHT 0.84 /* of a sheet: 0.8 (0.1 + 0.7) + 0.2 */
@@ -21,33 +20,18 @@ static struct inputs sheets(bool opaque)
             scene_fade(in.scene, id, opaque && s == 1 ? 1 : (float)ALPHA);
         }
     scene_finish(in.scene);
-    in.params.min_splat = -1;
-    stp_limits_lavapipe(&in.limits);
-    memset(&in.limits.calibration, 0, sizeof in.limits.calibration);
+    price_nothing(&in);
     return in;
-}
-
-static void price(struct inputs *in, enum plan_cost kind, double ms)
-{
-    in->limits.calibration.ns[kind][PLAN_TERM_FRAME] = ms * 1e6;
 }
 
 /* A peeled layer costs as much as said. */
 static void price_all(struct inputs *in, double exact, double layer)
 {
-    price(in, PLAN_COST_LAYERS_PACKED, exact);
-    price(in, PLAN_COST_LAYERS_PACKED_IDS, exact);
-    price(in, PLAN_COST_LAYERS_ID, exact * 2);
-    price(in, PLAN_COST_PEEL, layer);
-    price(in, PLAN_COST_PEEL_RASTER, layer * 3);
-}
-
-static struct stp_choice choose(const struct inputs *in)
-{
-    struct stp_choice choice;
-    assert_int_equal(
-        stp_choose(NULL, in->scene, &in->camera, NULL, &in->params, &in->limits, &choice), STP_OK);
-    return choice;
+    price_frame(in, PLAN_COST_LAYERS_PACKED, exact);
+    price_frame(in, PLAN_COST_LAYERS_PACKED_IDS, exact);
+    price_frame(in, PLAN_COST_LAYERS_ID, exact * 2);
+    price_frame(in, PLAN_COST_PEEL, layer);
+    price_frame(in, PLAN_COST_PEEL_RASTER, layer * 3);
 }
 
 /* Light that the layers behind the first `layers` of three would add, before what is behind. */
