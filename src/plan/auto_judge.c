@@ -186,9 +186,10 @@ static enum stp_result look_on(struct choosing *c, const struct auto_candidate *
         result = estimate(c, candidate, &probe, NULL, &part);
         parts = probe.parts;
         probe_release(&probe);
-        if (k)
+        if (result == STP_OK && k) {
             probe_error_join(&part.error, &e->error);
-        conclude(&part);
+            conclude(&part);
+        }
         *e = part;
     }
     return result;
@@ -217,12 +218,10 @@ static enum stp_result decide(struct choosing *c, struct auto_candidate *candida
     bool done = false;
     if (candidate->way.overlap > 0)
         result = groupings_use(c->env, &c->groupings, &c->group, candidate->way.overlap);
-    if (result == STP_OK && candidate->close)
-        result = look_on(c, candidate, &e), done = true;
-    else if (result == STP_OK)
-        result = sample(c, candidate, &e, &done);
+    if (result == STP_OK)
+        result = candidate->close ? look_on(c, candidate, &e) : sample(c, candidate, &e, &done);
     candidate->error = e.high;
-    candidate->close = !done && c->params.max_error > 0;
+    candidate->close = !done && !candidate->close && c->params.max_error > 0;
     if (!candidate->close)
         candidate->stage = e.high <= c->bound ? AUTO_ACCEPTED : AUTO_REFUSED;
     return result;
