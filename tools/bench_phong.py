@@ -7,14 +7,16 @@
   tools/bench_phong.py fit MODEL... [--counts N,N...] [--rounds N]
 
 A model is a file, or a smooth shape of 400,000 points: sphere, torus, cushion
-(x^4 + y^4 + z^4 = 1). All splats are made by `stipple prepare --fit-count`, the constant ones of
+(x^4 + y^4 + z^4 = 1), knot. All splats are made by `stipple prepare --fit-count`, the constant ones of
 the same patches, and drawn with the epsilon of their fit. An error is the mean absolute difference
 of linear RGB over covered pixels, 1024 x 1024, against the picture of the whole cloud.
 
-curve: the error by the number of splats, of: Phong (linear fields, averaged, shaded once: our
-default), Phong blended (linear fields, each fragment shaded, then blended: the paper's), averaged
-(constant normals, averaged, shaded once: the default of discs), blended (constant normals, shaded,
-then blended: what the paper compares with), flat (the nearest splat's normal, nothing blended).
+curve: the error by the number of splats, of: Phong (linear fields fitted together, averaged, shaded
+once: our default), the same with every field fitted alone (the paper's Eq. 3 and 4 as they stand),
+those shaded fragment by fragment, then blended (the paper's picture), averaged (constant normals
+fitted together, averaged, shaded once: the default of discs), the same blended, blended (constant
+normals, each alone, shaded, then blended: what the paper compares with), flat (the nearest splat's
+normal, nothing blended).
 Then how many constant splats reach the error of each number of Phong splats. exponent: the error
 falls as the count to this power, between the least and the most splats. limit: what round
 splats of so many points can do at best, whatever made them and blended with nothing: the angle,
@@ -36,6 +38,7 @@ import subprocess
 import tempfile
 
 import bench_phong_limit
+import make_model
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
@@ -64,7 +67,15 @@ def on_cushion(a, b):
     return p, tuple(x ** 3 / slope for x in p)
 
 
-SHAPES = {"sphere": on_sphere, "torus": on_torus, "cushion": on_cushion}
+def on_knot(a, b):
+    """A tube round a (2, 3) torus knot, as make_model's without its scales; not even in area."""
+    t, v = 2 * math.pi * a, 2 * math.pi * b
+    out, side = make_model.frame(t)
+    n = tuple(math.cos(v) * x + math.sin(v) * y for x, y in zip(out, side))
+    return make_model.add(make_model.knot(t), n, make_model.TUBE), n
+
+
+SHAPES = {"sphere": on_sphere, "torus": on_torus, "cushion": on_cushion, "knot": on_knot}
 SHAPE_POINTS = 400000
 
 
@@ -87,18 +98,24 @@ def run(*arguments):
     return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True)
 
 
-def fit(file, count, out, flat=False):
+def fit(file, count, out, more=()):
     """The splats that came out, and the tolerance that it took."""
-    told = run("prepare", file, "-o", out, "--fit-count", str(count), *(["--fit-flat"] * flat))
+    told = run("prepare", file, "-o", out, "--fit-count", str(count), *more)
     found = re.search(r"-> (\d+) splats, tolerance ([^,]+),", told.stderr)
     return int(found[1]), found[2]
 
 
-def fit_both(file, count, phong, flat):
-    """Splats of linear fields, and of constant normals for the same patches: how many."""
-    splats, tolerance = fit(file, count, phong)
-    run("prepare", file, "-o", flat, "--fit", tolerance, "--fit-flat")
-    return splats
+def fit_all(file, count, folder):
+    """The same patches fitted each way of WAYS: splats, and files by the options of the fit."""
+    clouds, splats = {}, 0
+    for _, options, _ in WAYS:
+        out = os.path.join(folder, "few" + "".join(options) + ".ply")
+        if not clouds:
+            splats, tolerance = fit(file, count, out, options)
+        elif options not in clouds:
+            run("prepare", file, "-o", out, "--fit", tolerance, *options)
+        clouds[options] = out
+    return splats, clouds
 
 
 def render(file, arguments, out, camera, more=()):
@@ -119,13 +136,17 @@ def error(a, b):
     return json.loads(run("compare", "--json", a, b).stdout)["covered"]["mean_absolute"]
 
 
-# Name, constant normals?, options of the render.
+# Name, options of the fit, options of the render.
+ALONE, FLAT, FLAT_ALONE = ("--fit-alone",), ("--fit-flat",), ("--fit-flat", "--fit-alone")
+BLENDED = ("blended", FLAT_ALONE, ["--shade", "splat"])
 WAYS = [
-    ("Phong", False, []),
-    ("Phong, blended", False, ["--shade", "splat"]),
-    ("averaged", True, []),
-    ("blended", True, ["--shade", "splat"]),
-    ("flat", True, ["--shade", "flat", "--path", "compute"]),
+    ("Phong", (), []),
+    ("Phong, alone", ALONE, []),
+    ("Phong, alone, blended", ALONE, ["--shade", "splat"]),
+    ("averaged", FLAT, []),
+    ("blended, together", FLAT, ["--shade", "splat"]),
+    BLENDED,
+    ("flat", FLAT_ALONE, ["--shade", "flat", "--path", "compute"]),
 ]
 
 
@@ -133,13 +154,12 @@ def measure(file, arguments, folder):
     """Rows of way -> (splats, error), a count. Each picture has the epsilon of its fit."""
     out = os.path.join(folder, "out.exr")
     truth, camera = render_truth(file, arguments, folder)
-    clouds = {flat: os.path.join(folder, f"few{flat}.ply") for flat in (False, True)}
     rows = []
     for count in arguments.counts:
-        splats = fit_both(file, count, clouds[False], clouds[True])
+        splats, clouds = fit_all(file, count, folder)
         row = {}
-        for name, flat, more in WAYS:
-            render(clouds[flat], arguments, out, camera, more)
+        for name, options, more in WAYS:
+            render(clouds[options], arguments, out, camera, more)
             row[name] = (splats, error(out, truth))
         rows.append(row)
     return rows
@@ -208,12 +228,12 @@ def frame_ms(cloud, arguments, folder, more):
 def fit_to_error(file, arguments, folder, way, wanted, start):
     """Constant splats, in few.ply, that come to the error, within 3 %: how many, and their error.
     A secant in logarithms: the error falls about as a power of the count."""
-    name, flat, more = way
+    name, options, more = way
     cloud, out, truth, camera = (os.path.join(folder, n) for n in
                                  (name + ".ply", "out.exr", "truth.exr", "camera.json"))
     tried, count = [], start
     for _ in range(6):
-        splats = fit(file, round(count), cloud, flat)[0]
+        splats = fit(file, round(count), cloud, options)[0]
         render(cloud, arguments, out, camera, more)
         tried.append((math.log(splats), math.log(error(out, truth) / wanted)))
         if abs(tried[-1][1]) < 0.03:
@@ -239,11 +259,11 @@ def frames(arguments):
                 phong = fit(file, count, few)[0]
                 render(few, arguments, out, camera)
                 wanted = error(out, truth)
-                many, reached = fit_to_error(file, arguments, folder, WAYS[3], wanted, 4 * count)
+                many, reached = fit_to_error(file, arguments, folder, BLENDED, wanted, 4 * count)
                 times = {few: [], os.path.join(folder, "blended.ply"): []}
                 for _ in range(arguments.rounds):
                     for cloud in times:
-                        more = WAYS[0][2] if cloud == few else WAYS[3][2]
+                        more = [] if cloud == few else BLENDED[2]
                         times[cloud].append(frame_ms(cloud, arguments, folder, more))
                 a, b = (statistics.median(t) for t in times.values())
                 print(f"| {os.path.basename(model)} | {phong} | {wanted:.5f} | {a:.1f} | {many} | "

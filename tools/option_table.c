@@ -81,6 +81,10 @@ const struct option_spec option_table[] = {
     { NULL, PREPARE, "fit-flat", 0, NULL,
       "fit constant normals, not linear fields (default: off)",
       value_flag, AT(fit.flat), NULL, 0, 0, NULL },
+    { NULL, PREPARE, "fit-alone", 0, NULL,
+      "fit the field of each splat by itself, not all together for their mean where they overlap "
+      "(default: off)",
+      value_flag, AT(fit.alone), NULL, 0, 0, NULL },
     { NULL, PREPARE, "fit-smooth", 0, NULL,
       "do not look for sharp edges, at which splats are clipped (default: off)",
       value_flag, AT(fit.smooth), NULL, 0, 0, NULL },
@@ -327,11 +331,11 @@ const struct option_spec option_table[] = {
       value_flag, AT(calibrate), NULL, 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
-      "float64, storage-formats, independent-blend, subgroup-8, texel-buffers; may be repeated "
+      "float64, storage-formats, independent-blend, texel-buffers; may be repeated "
       "(default: none)",
       value_features, AT(render.mask_features),
       "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, "
-      "independent-blend, subgroup-8, texel-buffers with commas between", 0, 0,
+      "independent-blend, texel-buffers with commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,
       "run under the Vulkan validation layers; any message is a failure (default: off)",

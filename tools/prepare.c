@@ -17,7 +17,8 @@ static bool wants_fit(const struct settings *settings)
 
 static bool has_fit_option(const struct settings *settings)
 {
-    return option_given(settings, "fit-color") || settings->fit.flat || settings->fit.smooth;
+    return option_given(settings, "fit-color") || settings->fit.flat || settings->fit.alone ||
+           settings->fit.smooth;
 }
 
 /* Fits, and says what came of it. */
@@ -51,7 +52,8 @@ int run_prepare(struct settings *settings)
         return wrong_usage(settings->command, "--fit and --fit-count are two ways to say the same");
     if (has_fit_option(settings) && !wants_fit(settings))
         return wrong_usage(settings->command,
-                           "--fit-color, --fit-flat and --fit-smooth want --fit or --fit-count");
+                           "--fit-color, --fit-flat, --fit-alone and --fit-smooth want --fit or "
+                           "--fit-count");
     console_open(&console, settings);
     int status = output_possible(&console, settings->output, settings) ? EXIT_DONE : EXIT_FAILED;
     if (status == EXIT_DONE)

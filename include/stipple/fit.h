@@ -17,6 +17,8 @@ struct stp_fit_params {
     double color;     /* the largest difference of a component within a splat; 0:
                          STP_DEFAULT_FIT_COLOR; splats carry the mean */
     bool flat;        /* constant normals instead of linear fields: what BSK compare with */
+    bool alone;       /* each splat's field is fitted by itself, as the paper does; else all fields
+                         together, for their mean to follow the points' normals where they overlap */
     bool smooth;      /* sharp edges are not looked for, and nothing is clipped */
 };
 #define STP_DEFAULT_FIT_COLOR 0.1

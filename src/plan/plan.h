@@ -118,6 +118,8 @@ enum plan_slot {
     PLAN_IMAGE_AXIS_DEPTH,
     PLAN_TEXEL_KEYS, /* the words of PLAN_KEYS again, where its format is of texels */
     PLAN_TEXEL_SLOT_IDS,
+    PLAN_TEXEL_PROJECTED, /* and those of PLAN_PROJECTED and PLAN_ORDER */
+    PLAN_TEXEL_ORDER,
     PLAN_SLOTS
 };
 
@@ -232,10 +234,10 @@ enum plan_shader {
     PLAN_SHADER_AXIS_FRAGMENT,
     PLAN_SHADER_AXIS_SURFACE_VERTEX,
     PLAN_SHADER_AXIS_SURFACE_FRAGMENT,
-    PLAN_SHADER_AXIS_BLOCK, /* then by subgroups; then of one walk and part; so below */
-    PLAN_SHADER_AXIS_BLOCK_GROUPED,
+    PLAN_SHADER_AXIS_BLOCK, /* then with splats fetched as texels; then of one walk and part */
+    PLAN_SHADER_AXIS_BLOCK_FETCHED,
     PLAN_SHADER_AXIS_BLOCK_PART,
-    PLAN_SHADER_AXIS_BLOCK_PART_GROUPED,
+    PLAN_SHADER_AXIS_BLOCK_PART_FETCHED,
     PLAN_SHADER_AXIS_MERGE,
     PLAN_SHADER_AXIS_MERGE_SUMS,
     PLAN_SHADER_AXIS_EMPTY,

@@ -4,6 +4,8 @@
 
 #include "base/vec.h"
 
+#define LEAST_DEPTH 1.0000500033335834e-4 /* optical: -log1p(-LEAST_ALPHA) */
+
 struct axis_rays axis_rays(const struct stp_camera *camera)
 {
     const double *m = camera->world_to_camera; /* rigid: columns are the world's axes */
@@ -266,8 +268,11 @@ bool axis_pixels(const struct axis_kernel *kernel, struct axis_rectangle *r)
                 &r->y1);
 }
 
+/* Of a grid it is diagonal. */
 static struct vec3 whitened(const struct axis_view *view, struct vec3 v)
 {
+    if (view->shape == AXIS_VOXELS)
+        return v3(view->white[0][0] * v.x, view->white[1][1] * v.y, view->white[2][2] * v.z);
     return v3(v3_dot(v3_load(view->white[0]), v), v3_dot(v3_load(view->white[1]), v),
               v3_dot(v3_load(view->white[2]), v));
 }
@@ -292,11 +297,13 @@ static struct approach approach(const struct axis_view *view, const double centr
 bool axis_nearly_meets(const struct axis_view *view, const double centre[3], double peak, double px,
                        double py)
 {
+    const double rim = 0.0111; /* below exp(-4.5), at the reach */
     struct approach n = approach(view, centre, axis_ray(&view->rays, px, py), px, py);
     /* At least half of the integral is seen, exp(-m2 / 2) >= 1 - m2 / 2, and 1 - exp(-x) is at
      * least x (1 - x / 2). */
-    return n.m2 <= 1 && n.peak >= view->camera->near_depth && n.peak <= view->camera->far_depth &&
-           0.5 * peak * (1 - 0.5 * n.m2) >= 1.001 * LEAST_ALPHA;
+    return n.m2 <= KERNEL_REACH * KERNEL_REACH && n.peak >= view->camera->near_depth &&
+           n.peak <= view->camera->far_depth &&
+           0.5 * peak * fmax(1 - 0.5 * n.m2, rim) >= 1.001 * LEAST_ALPHA;
 }
 
 bool axis_hits(const struct axis_kernel *kernel, double tau, double px, double py)
@@ -315,5 +322,5 @@ bool axis_hits(const struct axis_kernel *kernel, double tau, double px, double p
                           erfc((camera->far_depth - n.peak) * root));
     double integral =
         view->amplitude * v3_length(v) * sqrt(2 * M_PI / n.a) * exp(-0.5 * n.m2) * share;
-    return -expm1(-tau * integral) >= LEAST_ALPHA;
+    return tau * integral >= LEAST_DEPTH;
 }

@@ -16,6 +16,14 @@
 #define AREA_GRID 24
 #define PI        3.14159265358979323846
 
+bool patch_is_at_edges(const struct fit_cloud *cloud, const struct patch *patch)
+{
+    for (uint32_t k = 0; cloud->crease && k < patch->count; k++)
+        if (cloud->crease_of[patch->member[k]] != NO_SITE)
+            return true;
+    return false;
+}
+
 bool clip_meet(const struct fit_plane *plane, const struct patch_frame *f, double line[3])
 {
     double a = v3_dot(plane->n, f->u), b = v3_dot(plane->n, f->v);

@@ -44,6 +44,9 @@ struct clip_track {
 bool clip_admits(const struct fit_cloud *cloud, const struct patch_frame *frame, uint32_t site,
                  double slack, struct clip_track *track);
 
+/* Is any member near a sharp feature? */
+bool patch_is_at_edges(const struct fit_cloud *cloud, const struct patch *patch);
+
 /* The line where the plane meets the frame's; false: they are nearly parallel. */
 bool clip_meet(const struct fit_plane *plane, const struct patch_frame *f, double line[3]);
 

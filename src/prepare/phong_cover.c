@@ -1,6 +1,7 @@
 #include "prepare/phong_cover.h"
 
 #include <math.h>
+#include <stdlib.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -31,7 +32,15 @@ void patch_set_release(struct patch_set *set)
 /* --- candidates --------------------------------------------------------------------------------
  */
 
-static enum stp_result add_candidates(struct cover *c, const uint32_t *seed, size_t count)
+static int by_site(const void *a, const void *b)
+{
+    uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
+    return (p > q) - (p < q);
+}
+
+/* Sorts the seeds: patches that lie side by side are grown, and later looked at, one after the
+ * other. */
+static enum stp_result add_candidates(struct cover *c, uint32_t *seed, size_t count)
 {
     struct patch_set *pool = &c->pool;
     if (pool->count + count > pool->capacity) {
@@ -42,6 +51,7 @@ static enum stp_result add_candidates(struct cover *c, const uint32_t *seed, siz
         pool->patch = patch;
         pool->capacity = capacity;
     }
+    qsort(seed, count, sizeof *seed, by_site);
     enum stp_result result =
         patches_grow(c->env, c->cloud, c->limits, seed, count, pool->patch + pool->count);
     if (result == STP_OK)
@@ -104,6 +114,7 @@ static enum stp_result find_candidates(struct cover *c)
         left -= fresh;
         for (size_t i = from; i < c->pool.count; i++)
             members += c->pool.patch[i].count;
+        log_progress(c->env, "fit", 0.7 * (1 - (double)left / (double)c->cloud->count));
         double mean = from == 0 ? (double)members : REDUNDANCY * (double)fresh;
         wanted = (size_t)ceil(REDUNDANCY * (double)left * (double)count / mean);
     }
@@ -294,8 +305,10 @@ enum stp_result patches_cover(const struct stp_env *env, const struct fit_cloud 
         result = select_greedily(&c);
     if (result == STP_OK)
         drop_redundant(&c);
-    for (int i = 0; i < RELAXATIONS && result == STP_OK; i++)
+    for (int i = 0; i < RELAXATIONS && result == STP_OK; i++) {
         result = relax(&c);
+        log_progress(env, "fit", 0.7 + 0.2 * (i + 1) / RELAXATIONS);
+    }
     if (result == STP_OK)
         forget_others(&c);
     mem_free(c.holders);

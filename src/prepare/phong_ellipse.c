@@ -14,6 +14,9 @@
 #define WORKING    64 /* most points of it */
 #define NEWTON     50
 
+/* Slacks are differences of numbers about 1: multiples of 2^-53. */
+#define LEAST_PRODUCT 1e-280
+
 struct working_set {
     size_t count;
     double point[WORKING][2]; /* scaled: the bounding box is [-1, 1]^2 */
@@ -32,10 +35,11 @@ static double slack_of(const double theta[4], const double point[2], double *e, 
     return 1 - *e * *e - *h * *h;
 }
 
-/* -ln a - ln b - mu sum ln slack; INFINITY outside. */
+/* -ln a - ln b - mu sum ln slack; INFINITY outside. A logarithm of several slacks' product costs
+ * less, and none is so small that it could underflow. */
 static double barrier(const struct working_set *w, const double theta[4], double mu)
 {
-    double e, h, sum;
+    double e, h, sum, product = 1;
     if (!(theta[0] > 0 && theta[1] > 0))
         return INFINITY;
     sum = -log(theta[0]) - log(theta[1]);
@@ -49,9 +53,13 @@ static double barrier(const struct working_set *w, const double theta[4], double
         double slack = slack_of(theta, w->point[k], &e, &h);
         if (!(slack > 0))
             return INFINITY;
-        sum -= mu * log(slack);
+        product *= slack;
+        if (product < LEAST_PRODUCT) {
+            sum -= mu * log(product);
+            product = 1;
+        }
     }
-    return sum;
+    return sum - mu * log(product);
 }
 
 /* Gradient and Hessian. */
@@ -114,9 +122,9 @@ static bool solve(double m[4][4], const double b[4], double x[4])
 /* Damped Newton steps to the centre of the barrier. */
 static void centre_barrier(const struct working_set *w, double theta[4], double mu)
 {
+    double now = barrier(w, theta, mu), then;
     for (int round = 0; round < NEWTON; round++) {
         double g[4], hessian[4][4], step[4], next[4], slope = 0, length = 1;
-        double now = barrier(w, theta, mu);
         derive(w, theta, mu, g, hessian);
         if (!solve(hessian, g, step))
             return;
@@ -128,9 +136,11 @@ static void centre_barrier(const struct working_set *w, double theta[4], double 
             for (int i = 0; i < 4; i++)
                 next[i] = theta[i] - length * step[i];
             length *= 0.5;
-        } while (length > 1e-12 && !(barrier(w, next, mu) <= now - 0.2 * length * slope));
+            then = barrier(w, next, mu);
+        } while (length > 1e-12 && !(then <= now - 0.2 * length * slope));
         if (length <= 1e-12)
             return;
+        now = then;
         memcpy(theta, next, sizeof next);
     }
 }

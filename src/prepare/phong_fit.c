@@ -106,10 +106,12 @@ static enum stp_result search_count(struct fitting *f, double count)
     }
     if (b.high_count > 0)
         return STP_OK;
+    bool colored = f->cloud.samples->color && !isinf(f->limits.color);
     return log_error(f->env, STP_ERROR_ARGUMENT,
                      "%.0f splats cannot cover these points: %.0f are left at a tolerance of %g; "
-                     "ask for more",
-                     count, b.low_count, b.low);
+                     "ask for more%s",
+                     count, b.low_count, b.low,
+                     colored ? ", or let one splat hold more different colours (--fit-color)" : "");
 }
 
 /* --- the fit
@@ -145,7 +147,8 @@ static enum stp_result fit(struct fitting *f)
     if (result == STP_OK)
         result = find_patches(f);
     if (result == STP_OK)
-        result = patches_to_splats(env, &f->cloud, &f->set, f->fit.tolerance, f->params->flat,
+        result = patches_to_splats(env, &f->cloud, &f->set, f->fit.tolerance,
+                                   (struct field_way){ f->params->flat, f->params->alone },
                                    &f->splats, &f->fit.deviation);
     if (result != STP_OK)
         return result;
@@ -204,10 +207,12 @@ enum stp_result stp_scene_fit(const struct stp_env *env, struct stp_scene *scene
     if (result != STP_OK)
         return result;
     struct fitting f = { .env = env, .scene = scene, .params = params };
+    log_progress(env, "fit", 0);
     f.limits.color = params->color > 0 ? params->color : STP_DEFAULT_FIT_COLOR;
     result = fit(&f);
     if (result == STP_OK)
         result = replace(&f, scene);
+    log_progress(env, "fit", 1);
     patch_set_release(&f.set);
     fit_cloud_release(&f.cloud);
     splats_release(&f.splats);

@@ -60,6 +60,17 @@ struct patch {
 
 void patches_release(struct patch *patches, size_t count);
 
+/* What a plane is made of: of sites, their places from the first one's, and their normals. */
+struct plane_sums {
+    double count;
+    struct vec3 d, n;
+    double dd[6]; /* xx, xy, xz, yy, yz, zz */
+};
+void plane_sums_add(struct plane_sums *sums, struct vec3 d, struct vec3 n);
+/* As patch_plane does: at is the first one's place, and normals are on the side of the hint. */
+void plane_of_sums(const struct plane_sums *sums, struct vec3 at, struct vec3 hint,
+                   struct patch_frame *frame);
+
 /* The least-squares plane of the members, and the axes of their normals' linear field; its normal
  * is on the side of the seed's. hint: a normal for where the members leave the plane open (fewer
  * than three, or on a line). */
@@ -67,9 +78,6 @@ void patch_plane(const struct fit_cloud *cloud, const uint32_t *member, size_t c
                  struct vec3 hint, struct patch_frame *frame);
 void patch_axes(const struct fit_cloud *cloud, const uint32_t *member, size_t count,
                 struct patch_frame *frame);
-/* The farthest member's distance from the plane. */
-double patch_deviation(const struct fit_cloud *cloud, const uint32_t *member, size_t count,
-                       const struct patch_frame *frame);
 /* A site's normal on the side of n; unknown ones are n. */
 struct vec3 site_normal(const struct fit_cloud *cloud, uint32_t i, struct vec3 n);
 

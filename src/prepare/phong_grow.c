@@ -2,7 +2,6 @@
  * seed's tangent plane, its axes those of curvature, is scaled until a site that it reaches is off
  * the least-squares plane of those nearer than it. */
 #include <math.h>
-#include <stdlib.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -10,32 +9,31 @@
 #include "base/thread.h"
 #include "prepare/phong_outline.h"
 #include "prepare/phong_fit.h"
+#include "prepare/phong_reach.h"
 
-#define RING     24   /* sites that the first frame is estimated from */
-#define CONE     0.26 /* cosine, 75 degrees: beyond it the linear field is of no use */
-#define LONGEST  3.0  /* ratio of the axes */
-#define STEEPEST 0.1  /* the same to the plane that was fitted, 84 degrees */
+#define RING     24  /* sites that the first frame is estimated from */
+#define LONGEST  3.0 /* ratio of the axes */
+#define STEEPEST 0.1 /* the same to the plane that was fitted, 84 degrees */
 #define ROUNDS   10
-#define FAR      4.0 /* tolerances from the plane: in the way whatever plane is fitted */
 #define OVERHANG                                                                                   \
-    1.2            /* of the ellipse over the sites' own area, against where they were densest     \
-                    */
-#define GROWTH 1.6 /* of the radius where nothing was in the way */
-#define SEED   (-1.0)
+    1.2             /* of the ellipse over the sites' own area, against where they were densest    \
+                     */
+#define GROWTH 1.6  /* of the radius where nothing was in the way */
 #define BEYOND 0.5  /* squares of the spacing: a splat may show so much beyond an edge */
 #define TRIM   0.75 /* of its members a patch keeps that shows more */
 
-struct reached {
-    double metric; /* s^2 + t^2; below 0: the seed, which comes before sites of its own place */
-    uint32_t site;
+/* A member, and what the plane of it and of those before is made of. */
+struct admitted {
+    struct vec3 p, n;
+    struct plane_sums sums;
 };
 
 struct grower {
     const struct fit_cloud *cloud;
     const struct fit_limits *limits;
-    uint32_t *stamp, tick; /* of the sites seen */
-    struct reached *reached;
+    struct reach reach;
     uint32_t *member;
+    struct admitted *admitted;
     double (*room)[2]; /* of an outline */
     size_t capacity;
     bool out_of_memory;
@@ -49,105 +47,30 @@ struct grow_job {
     struct grower *grower; /* a worker */
 };
 
-/* --- collecting ----------------------------------------------------------------------------------
- */
-
 static bool make_room(struct grower *g, size_t count)
 {
-    if (count < g->capacity)
+    if (count <= g->capacity)
         return true;
-    size_t capacity = g->capacity ? 2 * g->capacity : 256;
-    struct reached *reached = mem_realloc(g->reached, capacity, sizeof *reached);
-    if (reached)
-        g->reached = reached;
+    size_t capacity = count > 256 ? 2 * count : 256;
     uint32_t *member = mem_realloc(g->member, capacity, sizeof *member);
-    if (member)
-        g->member = member;
+    g->member = member ? member : g->member;
+    struct admitted *admitted = mem_realloc(g->admitted, capacity, sizeof *admitted);
+    g->admitted = admitted ? admitted : g->admitted;
     double(*room)[2] = mem_realloc(g->room, 4 * capacity, sizeof *room);
-    if (room)
-        g->room = room;
-    g->out_of_memory = !reached || !member || !room;
-    if (!g->out_of_memory)
-        g->capacity = capacity;
-    return !g->out_of_memory;
-}
-
-static bool same_color(const struct grower *g, uint32_t a, uint32_t b)
-{
-    const struct splats *s = g->cloud->samples;
-    const float *p, *q;
-    size_t i = g->cloud->first[a], j = g->cloud->first[b];
-    if (s->opacity && s->opacity[i] != s->opacity[j])
+    g->room = room ? room : g->room;
+    if (!member || !admitted || !room)
         return false;
-    if (!s->color || isinf(g->limits->color))
-        return true;
-    p = s->color[i];
-    q = s->color[j];
-    for (int c = 0; c < 3; c++)
-        if (fabs((double)p[c] - (double)q[c]) > g->limits->color)
-            return false;
+    g->capacity = capacity;
     return true;
 }
 
-struct ellipse {
-    struct patch_frame frame; /* c is the seed's place */
-    double radius[2];
-};
-
-/* Does the ellipse reach site i, and on the frame's side? Sets *blocked to the metric of a site
- * that is so far off the plane that no patch can hold it. */
-static bool is_reached(const struct grower *g, const struct ellipse *e, uint32_t seed, uint32_t i,
-                       double *metric, double *blocked)
-{
-    const struct site *site = &g->cloud->site[i];
-    struct vec3 d = v3_sub(v3_load(site->p), e->frame.c);
-    double s = v3_dot(d, e->frame.u) / e->radius[0], t = v3_dot(d, e->frame.v) / e->radius[1];
-    *metric = s * s + t * t;
-    if (*metric > 1)
-        return false;
-    if (v3_dot(site_normal(g->cloud, i, e->frame.n), e->frame.n) < CONE)
-        return false;
-    if (fabs(v3_dot(d, e->frame.n)) > FAR * g->limits->tolerance || !same_color(g, seed, i)) {
-        *blocked = fmin(*blocked, *metric);
-        return false;
-    }
-    return true;
-}
-
-/* Sites within the ellipse that chains of neighbours join to the seed. */
+/* Sites that the ellipse reaches, of which there is room for that many members; 0: no memory. */
 static size_t collect(struct grower *g, const struct ellipse *e, uint32_t seed, size_t most,
                       double *blocked)
 {
-    size_t count = 1;
-    g->tick++;
-    g->stamp[seed] = g->tick;
-    *blocked = INFINITY;
-    if (!make_room(g, 1))
-        return 0;
-    g->reached[0] = (struct reached){ SEED, seed };
-    for (size_t head = 0; head < count && count < most; head++) {
-        const uint32_t *near = g->cloud->near[g->reached[head].site];
-        for (unsigned k = 0; k < SITE_NEAR; k++) {
-            double metric;
-            if (near[k] == NO_SITE || g->stamp[near[k]] == g->tick)
-                continue;
-            g->stamp[near[k]] = g->tick;
-            if (!is_reached(g, e, seed, near[k], &metric, blocked))
-                continue;
-            if (!make_room(g, count + 1))
-                return 0;
-            g->reached[count++] = (struct reached){ metric, near[k] };
-        }
-    }
-    return count;
-}
-
-static int by_metric(const void *a, const void *b)
-{
-    const struct reached *p = a, *q = b;
-    if (p->metric != q->metric)
-        return p->metric < q->metric ? -1 : 1;
-    return (p->site > q->site) - (p->site < q->site);
+    size_t count = reach_collect(&g->reach, e, seed, most, blocked);
+    g->out_of_memory |= count == 0 || !make_room(g, count);
+    return g->out_of_memory ? 0 : count;
 }
 
 /* Does the ellipse that holds the first k sites hold much more than their own area? It has grown
@@ -162,24 +85,36 @@ static bool is_sparse(const struct ellipse *e, const struct clip_track *track, d
     return sparse > *least * (OVERHANG + 1.5 / sqrt((double)k));
 }
 
-/* Nearest first, into member, the seed always; what lies beyond an obstacle, or a third edge, or
- * where the ellipse holds much more than the sites' own area (it has grown over a border), is left
- * out. */
-static size_t sort_reached(struct grower *g, const struct ellipse *e, size_t count, double blocked)
+/* The k-th member. hint: the side of the normals. */
+static void admit(struct grower *g, size_t k, uint32_t site, struct vec3 hint)
+{
+    struct admitted *a = &g->admitted[k];
+    a->p = v3_load(g->cloud->site[site].p);
+    a->n = v3_loadf(g->cloud->site[site].n);
+    a->sums = k > 0 ? a[-1].sums : (struct plane_sums){ 0 };
+    plane_sums_add(&a->sums, v3_sub(a->p, g->admitted[0].p), site_normal(g->cloud, site, hint));
+    g->member[k] = site;
+}
+
+/* Nearest first, the seed always; what lies beyond an obstacle, or a third edge, or where the
+ * ellipse holds much more than the sites' own area (it has grown over a border), is left out. */
+static size_t admit_reached(struct grower *g, const struct ellipse *e, size_t count, double blocked,
+                            struct vec3 hint)
 {
     size_t kept = 0;
     struct clip_track track = { 0 };
     double area = 0, least = INFINITY;
-    qsort(g->reached, count, sizeof *g->reached, by_metric);
-    for (size_t k = 0; k < count && g->reached[k].metric < blocked; k++) {
-        uint32_t site = g->reached[k].site;
+    count = reach_sort(&g->reach, count, blocked);
+    for (size_t k = 0; k < count; k++) {
+        const struct reached *reached = &g->reach.list[k];
+        uint32_t site = reached->site;
         double spacing = (double)g->cloud->site[site].spacing;
         if (!clip_admits(g->cloud, &e->frame, site, g->limits->tolerance, &track))
             break;
         area += spacing * spacing;
-        if (k >= RING && is_sparse(e, &track, g->reached[k].metric, k, area, &least))
+        if (k >= RING && is_sparse(e, &track, reached->metric, k, area, &least))
             break;
-        g->member[kept++] = site;
+        admit(g, kept++, site, hint);
     }
     return kept;
 }
@@ -187,15 +122,26 @@ static size_t sort_reached(struct grower *g, const struct ellipse *e, size_t cou
 /* --- how many of the nearest make a patch
  * ---------------------------------------------------------- */
 
+/* Within the tolerance of the frame's plane, and not too steep to it? The farthest come first: they
+ * are the likeliest not to be. */
+static bool all_within(const struct grower *g, size_t count, const struct patch_frame *f)
+{
+    double offset = v3_dot(f->c, f->n);
+    for (size_t k = count; k-- > 0;) {
+        const struct admitted *a = &g->admitted[k];
+        if (fabs(v3_dot(a->p, f->n) - offset) > g->limits->tolerance)
+            return false;
+        double dot = v3_dot(a->n, f->n);
+        if ((g->cloud->signs ? dot : fabs(dot)) < STEEPEST && v3_dot(a->n, a->n) > 0)
+            return false;
+    }
+    return true;
+}
+
 static bool fits(const struct grower *g, size_t count, struct vec3 hint, struct patch_frame *frame)
 {
-    patch_plane(g->cloud, g->member, count, hint, frame);
-    if (patch_deviation(g->cloud, g->member, count, frame) > g->limits->tolerance)
-        return false;
-    for (size_t k = 0; k < count; k++)
-        if (v3_dot(site_normal(g->cloud, g->member[k], frame->n), frame->n) < STEEPEST)
-            return false;
-    return true;
+    plane_of_sums(&g->admitted[count - 1].sums, g->admitted[0].p, hint, frame);
+    return all_within(g, count, frame);
 }
 
 /* The most of member[0..count) that fit, by bisection; the frame is theirs. */
@@ -212,7 +158,7 @@ static size_t longest_prefix(const struct grower *g, size_t count, struct vec3 h
         else
             bad = middle;
     }
-    patch_plane(g->cloud, g->member, good, hint, frame);
+    plane_of_sums(&g->admitted[good - 1].sums, g->admitted[0].p, hint, frame);
     return good;
 }
 
@@ -245,7 +191,7 @@ static double first_ellipse(struct grower *g, uint32_t seed, struct ellipse *e)
     e->radius[0] = e->radius[1] = 4 * spacing;
     size_t count = collect(g, e, seed, RING, &blocked);
     for (size_t k = 0; k < count; k++)
-        g->member[k] = g->reached[k].site;
+        g->member[k] = g->reach.list[k].site;
     if (count >= 3)
         patch_plane(g->cloud, g->member, count, e->frame.n, &e->frame);
     if (count >= 5)
@@ -283,7 +229,7 @@ static void grow(struct grower *g, uint32_t seed, struct patch *made)
         size_t all = collect(g, &e, seed, SIZE_MAX, &blocked);
         if (all == 0)
             return;
-        size_t kept = sort_reached(g, &e, all, blocked),
+        size_t kept = admit_reached(g, &e, all, blocked, side),
                count = longest_prefix(g, kept, side, &frame);
         patch_axes(g->cloud, g->member, count, &frame);
         if (count > made->count)
@@ -293,11 +239,25 @@ static void grow(struct grower *g, uint32_t seed, struct patch *made)
             return;
         refined = refined || stopped;
         before = all;
-        double reach = stopped ? sqrt(fmax(g->reached[count - 1].metric, 0)) : GROWTH;
+        double reach = stopped ? sqrt(fmax(g->reach.list[count - 1].metric, 0)) : GROWTH;
         scale *= stopped ? clamp(1.25 * reach, 0.25, 1.25) : GROWTH;
         e.frame = frame;
         e.frame.c = v3_load(g->cloud->site[seed].p);
     }
+}
+
+/* The most members, of TRIM of them and TRIM of those, that have a plane. */
+static void trim_once(struct grower *g, struct patch *made)
+{
+    struct vec3 side = made->frame.n;
+    bool good;
+    for (uint32_t k = 0; k < made->count; k++)
+        admit(g, k, made->member[k], side);
+    do {
+        made->count = (uint32_t)(TRIM * made->count);
+        good = fits(g, made->count, side, &made->frame);
+    } while (made->count > 1 && !good);
+    patch_axes(g->cloud, made->member, made->count, &made->frame);
 }
 
 /* Fewer members, until the splat shows next to nothing beyond edges that its lines do not follow.
@@ -305,18 +265,11 @@ static void grow(struct grower *g, uint32_t seed, struct patch *made)
 static void trim(struct grower *g, struct patch *made)
 {
     struct outline o;
-    if (!g->cloud->crease || made->count < 2)
+    if (made->count < 2 || !patch_is_at_edges(g->cloud, made))
         return;
-    memcpy(g->member, made->member, made->count * sizeof *made->member);
     patch_outline(g->cloud, made, &made->frame, g->limits->tolerance, g->room, &o);
     while (o.overhang > BEYOND && made->count > 1) {
-        struct vec3 side = made->frame.n;
-        bool good;
-        do {
-            made->count = (uint32_t)(TRIM * made->count);
-            good = fits(g, made->count, side, &made->frame);
-        } while (made->count > 1 && !good);
-        patch_axes(g->cloud, g->member, made->count, &made->frame);
+        trim_once(g, made);
         patch_outline(g->cloud, made, &made->frame, g->limits->tolerance, g->room, &o);
     }
 }
@@ -325,10 +278,8 @@ static void grow_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct grow_job *job = context;
     struct grower *g = &job->grower[worker];
-    if (!g->stamp && !g->out_of_memory) {
-        g->stamp = mem_zalloc(job->cloud->count, sizeof *g->stamp);
-        g->out_of_memory = !g->stamp;
-    }
+    if (!g->reach.stamp && !g->out_of_memory)
+        g->out_of_memory = reach_open(&g->reach, job->cloud, job->limits) != STP_OK;
     g->cloud = job->cloud;
     g->limits = job->limits;
     for (size_t i = begin; i < end && !g->out_of_memory; i++) {
@@ -351,9 +302,9 @@ enum stp_result patches_grow(const struct stp_env *env, const struct fit_cloud *
     parallel_for(env, count, 16, grow_range, &job);
     for (unsigned i = 0; i < workers; i++) {
         failed |= job.grower[i].out_of_memory;
-        mem_free(job.grower[i].stamp);
-        mem_free(job.grower[i].reached);
+        reach_release(&job.grower[i].reach);
         mem_free(job.grower[i].member);
+        mem_free(job.grower[i].admitted);
         mem_free(job.grower[i].room);
     }
     mem_free(job.grower);

@@ -6,38 +6,7 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "prepare/orient.h"
-
-/* Which patches hold each site, as compressed rows. */
-struct holders {
-    size_t *end;
-    uint32_t *patch;
-};
-
-static enum stp_result find_holders(const struct stp_env *env, const struct fit_cloud *cloud,
-                                    const struct patch_set *set, struct holders *h)
-{
-    size_t total = 0;
-    h->end = mem_zalloc(cloud->count + 1, sizeof *h->end);
-    for (size_t i = 0; i < set->count; i++)
-        total += set->patch[i].count;
-    h->patch = mem_alloc(total + 1, sizeof *h->patch);
-    if (!h->end || !h->patch)
-        return log_no_memory(env, total * sizeof *h->patch, "the patches of sites");
-    for (size_t i = 0; i < set->count; i++)
-        for (uint32_t k = 0; k < set->patch[i].count; k++)
-            h->end[set->patch[i].member[k] + 1]++;
-    for (size_t i = 0; i < cloud->count; i++)
-        h->end[i + 1] += h->end[i];
-    for (size_t i = set->count; i-- > 0;) /* from the end: each row's end becomes its begin */
-        for (uint32_t k = set->patch[i].count; k-- > 0;)
-            h->patch[--h->end[set->patch[i].member[k] + 1]] = (uint32_t)i;
-    return STP_OK;
-}
-
-static size_t row_begin(const struct holders *h, uint32_t site)
-{
-    return h->end[site + 1];
-}
+#include "prepare/phong_holders.h"
 
 static int by_id(const void *a, const void *b)
 {
@@ -52,11 +21,9 @@ struct row {
     uint32_t patch[SEEN];
 };
 
-static void add_holders(const struct holders *h, size_t rows, size_t total, uint32_t site,
-                        uint32_t self, struct row *row)
+static void add_holders(const struct holders *h, uint32_t site, uint32_t self, struct row *row)
 {
-    size_t end = site + 1 < rows ? row_begin(h, site + 1) : total;
-    for (size_t i = row_begin(h, site); i < end && row->count < SEEN; i++)
+    for (size_t i = h->begin[site]; i < h->begin[site + 1] && row->count < SEEN; i++)
         if (h->patch[i] != self)
             row->patch[row->count++] = h->patch[i];
 }
@@ -85,18 +52,16 @@ static void most_frequent(struct row *row, uint32_t neighbour[SURROUND_GRAPH])
 }
 
 static void find_neighbours(const struct fit_cloud *cloud, const struct patch_set *set,
-                            const struct holders *h, size_t total, struct row *row,
-                            struct surroundings *all)
+                            const struct holders *h, struct row *row, struct surroundings *all)
 {
     for (size_t i = 0; i < set->count; i++) {
         const struct patch *p = &set->patch[i];
         row->count = 0;
         for (uint32_t k = 0; k < p->count; k++) {
-            add_holders(h, cloud->count, total, p->member[k], (uint32_t)i, row);
+            add_holders(h, p->member[k], (uint32_t)i, row);
             for (unsigned n = 0; n < SITE_NEAR; n++)
                 if (cloud->near[p->member[k]][n] != NO_SITE)
-                    add_holders(h, cloud->count, total, cloud->near[p->member[k]][n], (uint32_t)i,
-                                row);
+                    add_holders(h, cloud->near[p->member[k]][n], (uint32_t)i, row);
         }
         most_frequent(row, all->neighbour[i]);
     }
@@ -125,7 +90,7 @@ static void take_sides(const struct surroundings *all, struct splats *splats)
 enum stp_result splats_orient(const struct stp_env *env, const struct fit_cloud *cloud,
                               const struct patch_set *set, struct vec3 up, struct splats *splats)
 {
-    size_t count = splats->count, total = 0;
+    size_t count = splats->count;
     struct places places = { .count = count, .position = (const double(*)[3])splats->position };
     struct surroundings all = { mem_alloc(count, sizeof *all.normal),
                                 mem_alloc(count, sizeof *all.spacing),
@@ -136,20 +101,17 @@ enum stp_result splats_orient(const struct stp_env *env, const struct fit_cloud 
     if (!all.normal || !all.spacing || !all.neighbour || !row)
         result = log_no_memory(env, count * sizeof *all.neighbour, "the sides of splats");
     if (result == STP_OK)
-        result = find_holders(env, cloud, set, &h);
+        result = holders_find(env, cloud, set, &h);
     if (result == STP_OK) {
-        for (size_t i = 0; i < set->count; i++)
-            total += set->patch[i].count;
         memset(all.neighbour, 0xff, count * sizeof *all.neighbour);
         memcpy(all.normal, splats->normal, count * sizeof *all.normal);
         memcpy(all.spacing, splats->radius, count * sizeof *all.spacing);
-        find_neighbours(cloud, set, &h, total, row, &all);
+        find_neighbours(cloud, set, &h, row, &all);
         result = orient_normals(env, &places, &all, up);
     }
     if (result == STP_OK)
         take_sides(&all, splats);
-    mem_free(h.end);
-    mem_free(h.patch);
+    holders_release(&h);
     mem_free(row);
     surroundings_release(&all);
     return result;

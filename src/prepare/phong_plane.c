@@ -16,15 +16,6 @@ struct vec3 site_normal(const struct fit_cloud *cloud, uint32_t i, struct vec3 n
     return side < 0 && !cloud->signs ? v3_scale(own, -1) : own;
 }
 
-static struct vec3 mean_normal(const struct fit_cloud *cloud, const uint32_t *member, size_t count,
-                               struct vec3 hint)
-{
-    struct vec3 sum = v3(0, 0, 0);
-    for (size_t k = 0; k < count; k++)
-        sum = v3_add(sum, site_normal(cloud, member[k], hint));
-    return v3_length(sum) > 1e-3 * (double)count ? v3_unit(sum) : hint;
-}
-
 /* Some unit vector at right angles to n. */
 static struct vec3 any_tangent(struct vec3 n)
 {
@@ -39,33 +30,36 @@ static void set_axes(struct patch_frame *frame, struct vec3 u)
     frame->v = v3_cross(frame->n, frame->u);
 }
 
-void patch_plane(const struct fit_cloud *cloud, const uint32_t *member, size_t count,
-                 struct vec3 hint, struct patch_frame *frame)
+void plane_sums_add(struct plane_sums *sums, struct vec3 d, struct vec3 n)
 {
-    struct vec3 at = v3_load(cloud->site[member[0]].p), sum = v3(0, 0, 0);
-    double s[6] = { 0 }, value[3], vector[3][3], n = 1 / (double)count;
-    for (size_t k = 0; k < count; k++) {
-        struct vec3 d = v3_sub(v3_load(cloud->site[member[k]].p), at);
-        sum = v3_add(sum, d);
-        s[0] += d.x * d.x;
-        s[1] += d.x * d.y;
-        s[2] += d.x * d.z;
-        s[3] += d.y * d.y;
-        s[4] += d.y * d.z;
-        s[5] += d.z * d.z;
-    }
-    struct vec3 m = v3_scale(sum, n);
+    sums->count += 1;
+    sums->d = v3_add(sums->d, d);
+    sums->n = v3_add(sums->n, n);
+    sums->dd[0] += d.x * d.x;
+    sums->dd[1] += d.x * d.y;
+    sums->dd[2] += d.x * d.z;
+    sums->dd[3] += d.y * d.y;
+    sums->dd[4] += d.y * d.z;
+    sums->dd[5] += d.z * d.z;
+}
+
+void plane_of_sums(const struct plane_sums *sums, struct vec3 at, struct vec3 hint,
+                   struct patch_frame *frame)
+{
+    double s[6], value[3], vector[3][3], n = 1 / sums->count;
+    struct vec3 m = v3_scale(sums->d, n);
     double mean[6] = { m.x * m.x, m.x * m.y, m.x * m.z, m.y * m.y, m.y * m.z, m.z * m.z };
     for (int i = 0; i < 6; i++)
-        s[i] = s[i] * n - mean[i];
+        s[i] = sums->dd[i] * n - mean[i];
     eigen_symmetric(s, value, vector);
     frame->c = v3_add(at, m);
-    struct vec3 normals = mean_normal(cloud, member, count, hint), plane = v3_load(vector[0]);
+    struct vec3 normals = v3_length(sums->n) > 1e-3 * sums->count ? v3_unit(sums->n) : hint;
+    struct vec3 plane = v3_load(vector[0]);
     double side = v3_dot(plane, normals);
-    bool open = count < 3 || !(value[1] > PLANAR * value[2]);
+    bool open = sums->count < 3 || !(value[1] > PLANAR * value[2]);
     if (open) { /* the plane that holds the line and is nearest to the normals */
         struct vec3 line = v3_load(vector[2]);
-        plane = v3_sub(normals, v3_scale(line, count > 1 ? v3_dot(normals, line) : 0));
+        plane = v3_sub(normals, v3_scale(line, sums->count > 1 ? v3_dot(normals, line) : 0));
         plane = v3_length(plane) > 0.1 ? v3_unit(plane) : normals;
     } else if (fabs(side) < 0.5) {
         plane = normals; /* as long across as it is wide: a cluster, not a sheet */
@@ -77,13 +71,15 @@ void patch_plane(const struct fit_cloud *cloud, const uint32_t *member, size_t c
     frame->bend[0] = frame->bend[1] = 0;
 }
 
-double patch_deviation(const struct fit_cloud *cloud, const uint32_t *member, size_t count,
-                       const struct patch_frame *f)
+void patch_plane(const struct fit_cloud *cloud, const uint32_t *member, size_t count,
+                 struct vec3 hint, struct patch_frame *frame)
 {
-    double most = 0, offset = v3_dot(f->c, f->n);
+    struct vec3 at = v3_load(cloud->site[member[0]].p);
+    struct plane_sums sums = { 0 };
     for (size_t k = 0; k < count; k++)
-        most = fmax(most, fabs(v3_dot(v3_load(cloud->site[member[k]].p), f->n) - offset));
-    return most;
+        plane_sums_add(&sums, v3_sub(v3_load(cloud->site[member[k]].p), at),
+                       site_normal(cloud, member[k], hint));
+    plane_of_sums(&sums, at, hint, frame);
 }
 
 /* --- axes --------------------------------------------------------------------------------------

@@ -6,31 +6,23 @@
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "prepare/phong_face.h"
+#include "prepare/phong_gaps.h"
+#include "prepare/phong_joint.h"
 #include "prepare/phong_make.h"
+
+/* Tolerances: as far off its plane a splat shows a point. A picture averages what lies within 4 of
+ * the nearest, which may itself be one before the surface. */
+#define SHOWN 3.0
 
 /* --- what the stored splat covers ---------------------------------------------------------------
  */
 
-static bool is_kept(const struct stp_phong_splat *phong, double s, double t)
-{
-    unsigned kept = 0;
-    for (unsigned i = 0; i < phong->clips; i++)
-        kept += (double)phong->clip[i][0] * s + (double)phong->clip[i][1] * t +
-                    (double)phong->clip[i][2] >=
-                0;
-    return phong->reflex ? kept > 0 : kept == phong->clips;
-}
-
 /* The distance of a sample from the splat's plane; INFINITY: the splat does not cover it. */
-static double distance_to(const struct splats *splats, size_t at, const double position[3])
+static double distance_to(const struct face *f, const double position[3])
 {
-    const struct stp_phong_splat *phong = &splats->phong[at];
-    struct patch_frame f;
-    struct vec3 d = v3_sub(v3_load(position), v3_load(splats->position[at]));
-    splat_frame(splats->normal[at], phong->u, &f);
-    double s = v3_dot(d, f.u) / (double)phong->radius[0];
-    double t = v3_dot(d, f.v) / (double)phong->radius[1];
-    return s * s + t * t <= 1 && is_kept(phong, s, t) ? fabs(v3_dot(d, f.n)) : INFINITY;
+    struct on_face at = face_place(f, v3_load(position));
+    return at.s * at.s + at.t * at.t <= 1 && face_keeps(f, at) ? fabs(at.height) : INFINITY;
 }
 
 /* --- all
@@ -82,13 +74,15 @@ static void measure(const struct fit_cloud *cloud, const struct patch_set *set,
 {
     for (size_t i = 0; i < cloud->samples->count; i++)
         nearest[i] = INFINITY;
-    for (size_t at = 0; at < set->count; at++)
+    for (size_t at = 0; at < set->count; at++) {
+        struct face f = face_of(splats, at, (const double[3]){ 0 });
         for (uint32_t k = 0; k < set->patch[at].count; k++) {
             uint32_t site = set->patch[at].member[k], first = cloud->first[site];
-            double distance = distance_to(splats, at, cloud->samples->position[first]);
+            double distance = distance_to(&f, cloud->samples->position[first]);
             for (uint32_t i = first; i < cloud->first[site + 1]; i++)
                 nearest[i] = fmin(nearest[i], distance);
         }
+    }
 }
 
 static bool resize(struct splats *s, size_t count)
@@ -152,14 +146,14 @@ static enum stp_result make_all(const struct stp_env *env, struct splat_job *job
 }
 
 enum stp_result patches_to_splats(const struct stp_env *env, const struct fit_cloud *cloud,
-                                  const struct patch_set *set, double tolerance, bool flat,
-                                  struct splats *splats, double *deviation)
+                                  const struct patch_set *set, double tolerance,
+                                  struct field_way way, struct splats *splats, double *deviation)
 {
     struct splats made;
     struct splat_job job = { .maker = { .cloud = cloud,
                                         .set = set,
                                         .splats = &made,
-                                        .flat = flat,
+                                        .flat = way.flat,
                                         .tolerance = tolerance } };
     size_t samples = cloud->samples->count;
     double *nearest = mem_alloc(samples, sizeof *nearest), most = 0;
@@ -168,6 +162,10 @@ enum stp_result patches_to_splats(const struct stp_env *env, const struct fit_cl
         result = log_no_memory(env, samples * sizeof *nearest, "the deviations of points");
     if (result == STP_OK)
         result = make_all(env, &job);
+    if (result == STP_OK)
+        result = gaps_close(env, cloud, set, SHOWN * tolerance, &made);
+    if (result == STP_OK && !way.alone)
+        result = fields_fit_together(env, cloud, set, SHOWN * tolerance, way.flat, &made);
     if (result == STP_OK) {
         measure(cloud, set, &made, nearest);
         result = add_singles(env, &job.maker, nearest);

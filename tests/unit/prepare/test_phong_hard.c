@@ -1,6 +1,8 @@
 /* Samples that leave a fit open, or that a careless one would mix up. */
 #include "fitted.h"
 
+#include "base/memory.h"
+
 static struct samples make(size_t count)
 {
     return (struct samples){ count, calloc(count, sizeof(double[3])),
@@ -163,16 +165,16 @@ static void steep_normals(void **state)
 /* --- sharp features
  * ------------------------------------------------------------------------------- */
 
-#define SIDE 30 /* samples along an edge of the cube */
-
-/* A unit cube, each face a grid whose samples start half a step from the edges. */
-static struct samples cube(void)
+/* A unit cube, each face a grid of so many samples a side, which start half a step from the edges.
+ */
+static struct samples cube(size_t side)
 {
-    struct samples s = make(6 * SIDE * SIDE);
+    struct samples s = make(6 * side * side);
     size_t at = 0;
     for (int face = 0; face < 6; face++)
-        for (int i = 0; i < SIDE * SIDE; i++) {
-            double p[3], n[3] = { 0 }, a = (i % SIDE + 0.5) / SIDE, b = (i / SIDE + 0.5) / SIDE;
+        for (size_t i = 0; i < side * side; i++) {
+            double p[3], n[3] = { 0 }, step = 1 / (double)side;
+            double a = ((double)(i % side) + 0.5) * step, b = ((double)(i / side) + 0.5) * step;
             p[face / 2] = face % 2;
             p[(face / 2 + 1) % 3] = a;
             p[(face / 2 + 2) % 3] = b;
@@ -217,7 +219,7 @@ static double sticks_out(const struct splats *s, size_t i, double (*out_of)(cons
 /* Clipped at the edges, splats end where the faces meet, and each keeps its face's normal. */
 static void cube_keeps_its_edges(void **state)
 {
-    struct samples s = cube();
+    struct samples s = cube(30);
     struct stp_points points = { .count = s.count,
                                  .position = (const double(*)[3])s.position,
                                  .normal = (const float(*)[3])s.normal };
@@ -317,14 +319,59 @@ static void colors_do_not_mix(void **state)
     samples_release(&s);
 }
 
+/* --- memory
+ * --------------------------------------------------------------------------------------- */
+
+/* Every allocation of a fit at edges and corners fails in turn, and some of a search for a count:
+ * the scene stays as it was, and one line says so. */
+static void edges_survive_every_failure(void **state)
+{
+    const struct stp_fit_params params[] = { { .tolerance = 0.05 }, { .count = 100 } };
+    struct samples s = cube(8);
+    struct stp_points points = { .count = s.count,
+                                 .position = (const double(*)[3])s.position,
+                                 .normal = (const float(*)[3])s.normal };
+    for (int way = 0; way < 2; way++) {
+        char line[256];
+        struct stp_env env = { .threads = 1, .log = silent, .user = line };
+        struct stp_scene *scene = scene_of(NULL, &points);
+        struct stp_fit fit = { 0 };
+        enum stp_result result = STP_ERROR_MEMORY;
+        unsigned long n = 1;
+        for (; result != STP_OK; n += way == 0 ? 1 : 97) { /* the search: every 97th */
+            line[0] = 0;
+            mem_fail_at(n);
+            result = stp_scene_fit(&env, scene, &params[way], &fit);
+            mem_fail_at(0);
+            if (result == STP_OK)
+                break;
+            assert_int_equal(result, STP_ERROR_MEMORY);
+            assert_true(strlen(line) > 0);
+            assert_int_equal(scene->splats.count, s.count);
+            assert_null(scene->splats.phong);
+            assert_int_equal(fit.splats, 0);
+        }
+        assert_true(n > 100);
+        assert_true(fit.clipped > 6);
+        stp_scene_destroy(&scene);
+    }
+    samples_release(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(few_samples),          cmocka_unit_test(duplicates),
-        cmocka_unit_test(crowded_places),       cmocka_unit_test(thin_sheets),
-        cmocka_unit_test(open_border),          cmocka_unit_test(steep_normals),
-        cmocka_unit_test(cube_keeps_its_edges), cmocka_unit_test(torus_is_not_sharp),
-        cmocka_unit_test(colors_do_not_mix),    cmocka_unit_test(lid_keeps_its_bent_edge),
+        cmocka_unit_test(few_samples),
+        cmocka_unit_test(duplicates),
+        cmocka_unit_test(crowded_places),
+        cmocka_unit_test(thin_sheets),
+        cmocka_unit_test(open_border),
+        cmocka_unit_test(steep_normals),
+        cmocka_unit_test(cube_keeps_its_edges),
+        cmocka_unit_test(torus_is_not_sharp),
+        cmocka_unit_test(colors_do_not_mix),
+        cmocka_unit_test(lid_keeps_its_bent_edge),
+        cmocka_unit_test(edges_survive_every_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -1,0 +1,137 @@
+/* Fields of all splats together: what their mean shows follows the surface better than fields that
+ * are fitted splat by splat. */
+#include "fitted.h"
+
+#define TOLERANCE 0.02
+
+static double kernel(const struct at_splat *at)
+{
+    return 1 - at->s * at->s - at->t * at->t;
+}
+
+static bool shows(const struct at_splat *at, const double n[3])
+{
+    return at->covered && fabs(at->height) <= 3 * TOLERANCE && dot3(at->normal, n) > 0;
+}
+
+/* Root of the mean squared angle, degrees, between the mean of the splats' fields and the normals
+ * of points. */
+static double mean_error(const struct splats *splats, const struct samples *s)
+{
+    double sum = 0, count = 0;
+    for (size_t i = 0; i < s->count; i++) {
+        double mean[3] = { 0 },
+               n[3] = { (double)s->normal[i][0], (double)s->normal[i][1], (double)s->normal[i][2] };
+        for (size_t j = 0; j < splats->count; j++) {
+            struct at_splat at = locate(splats, j, s->position[i]);
+            for (int k = 0; shows(&at, n) && k < 3; k++)
+                mean[k] += kernel(&at) * at.normal[k];
+        }
+        double length = sqrt(dot3(mean, mean));
+        if (!(length > 0))
+            continue;
+        double angle = acos(fmin(dot3(mean, n) / length, 1)) * 180 / PI;
+        sum += angle * angle;
+        count += 1;
+    }
+    return sqrt(sum / count);
+}
+
+/* The least-squares line z = solution[0] + solution[1] x. */
+static void fit_line(const double (*row)[3], size_t count, double solution[2])
+{
+    double m[5] = { 0 };
+    for (size_t i = 0; i < count; i++) {
+        double w = row[i][2], x = row[i][0], z = row[i][1];
+        m[0] += w;
+        m[1] += w * x;
+        m[2] += w * x * x;
+        m[3] += w * z;
+        m[4] += w * x * z;
+    }
+    double det = m[0] * m[2] - m[1] * m[1];
+    solution[1] = (m[0] * m[4] - m[1] * m[3]) / det;
+    solution[0] = (m[3] - solution[1] * m[1]) / m[0];
+}
+
+/* Eq. 3 and 4 of one splat, over all samples that it shows. */
+static void fit_alone(struct splats *splats, size_t i, const struct samples *s)
+{
+    double(*row[2])[3] = { calloc(s->count, sizeof *row[0]), calloc(s->count, sizeof *row[1]) };
+    double u[3], n[3], solution[2];
+    size_t count = 0;
+    for (int k = 0; k < 3; k++) {
+        u[k] = (double)splats->phong[i].u[k];
+        n[k] = (double)splats->normal[i][k];
+    }
+    double v[3] = { n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2],
+                    n[0] * u[1] - n[1] * u[0] };
+    for (size_t k = 0; k < s->count; k++) {
+        struct at_splat at = locate(splats, i, s->position[k]);
+        double m[3] = { (double)s->normal[k][0], (double)s->normal[k][1], (double)s->normal[k][2] };
+        double z = dot3(m, n);
+        if (!shows(&at, m) || z < 0.1)
+            continue;
+        double weight = z * z * z * z;
+        memcpy(row[0][count], (double[3]){ at.s, dot3(m, u) / z, weight }, sizeof row[0][0]);
+        memcpy(row[1][count++], (double[3]){ at.t, dot3(m, v) / z, weight }, sizeof row[1][0]);
+    }
+    for (int k = 0; k < 2 && count > 5; k++) {
+        fit_line((const double(*)[3])row[k], count, solution);
+        splats->phong[i].field[2 * k] = (float)solution[0];
+        splats->phong[i].field[2 * k + 1] = (float)solution[1];
+    }
+    free(row[0]);
+    free(row[1]);
+}
+
+static void mean_follows_the_surface(void **state)
+{
+    const surface_fn surface[] = { on_torus, on_sphere };
+    for (int i = 0; i < 2; i++) {
+        struct samples s = sample_surface(surface[i], 5000, 13),
+                       probes = sample_surface(surface[i], 2000, 14);
+        struct stp_scene *scene = fitted(&s, TOLERANCE, NULL);
+        double together[2] = { mean_error(&scene->splats, &s),
+                               mean_error(&scene->splats, &probes) };
+        for (size_t k = 0; k < scene->splats.count; k++)
+            fit_alone(&scene->splats, k, &s);
+        assert_true(together[0] < 0.8 * mean_error(&scene->splats, &s));
+        assert_true(together[1] < 0.8 * mean_error(&scene->splats, &probes));
+        stp_scene_destroy(&scene);
+        samples_release(&s);
+        samples_release(&probes);
+    }
+}
+
+/* A lone splat has nobody to share with: its field is that of Eq. 3 and 4. */
+static void alone_it_is_the_paper(void **state)
+{
+    struct samples s = { 20, calloc(20, sizeof(double[3])), calloc(20, sizeof(float[3])) };
+    uint64_t dice = 5;
+    for (size_t i = 0; i < s.count; i++) {
+        double r = 0.5 * sqrt(random_unit(&dice)), angle = 2 * PI * random_unit(&dice);
+        double x = r * cos(angle), y = r * sin(angle);
+        double n[3] = { 0.3 * x * x * x - 0.1 * x, 0.05 - 0.15 * y, 1 };
+        memcpy(s.position[i], (double[3]){ x, y, 0 }, sizeof s.position[i]);
+        for (int k = 0; k < 3; k++)
+            s.normal[i][k] = (float)(n[k] / sqrt(dot3(n, n)));
+    }
+    struct stp_scene *scene = fitted(&s, TOLERANCE, NULL);
+    assert_int_equal(scene->splats.count, 1);
+    struct stp_phong_splat found = scene->splats.phong[0];
+    fit_alone(&scene->splats, 0, &s);
+    for (int k = 0; k < 4; k++)
+        assert_float_equal(found.field[k], scene->splats.phong[0].field[k], 1e-5);
+    stp_scene_destroy(&scene);
+    samples_release(&s);
+}
+
+int main(void)
+{
+    const struct CMUnitTest tests[] = {
+        cmocka_unit_test(mean_follows_the_surface),
+        cmocka_unit_test(alone_it_is_the_paper),
+    };
+    return cmocka_run_group_tests(tests, NULL, NULL);
+}
