@@ -7,7 +7,8 @@
                                                  `sp FILE OUT SIZE FRAMES`, to run between ours
   tools/bench.py transparency FILE.ply...        error and time of transparent pictures, opacity
                                                  0.3 and 0.6, both faces; interleaved over rounds
-                                                 with the same splats, opaque; then the ratios
+                                                 with the same splats, opaque; then the ratios. In
+                                                 parts: --part errors or times, --opacity A
 
 The view is the one that point renderers are compared with here: the centre of the bounding box from
 direction (0.4, 0.3, 1), y up, 30 degrees, the largest |ndc| of a centre 0.95; 1024 x 1024, back
@@ -169,48 +170,67 @@ def layers(model, view, more, folder, repeat="7"):
         return json.load(file)["frame_ms"]["median"]
 
 
-def ratios(model, times):
+def ratios(model, opacity, times):
     """Of the same round; their median. A peeled layer: an eighth of what layers 9 to 16 take."""
-    for opacity in ["0.3", "0.6"]:
-        def of(name):
-            return times[name if name.endswith("opaque") else f"{name}, opacity {opacity}"]
-        times[f"a peeled layer, opacity {opacity}"] = [
-            (b - a) / 8 for a, b in zip(of("peel --peel-layers 8"), of("peel --peel-layers 16"))]
-        for what, base, most in RATIOS:
-            value = statistics.median(a / b for a, b in zip(of(what), of(base)))
-            print(f"| {os.path.basename(model)}, opacity {opacity} | {what} / {base} | {value:.2f} | "
-                  f"{most:.2f} |", flush=True)
+    def of(name):
+        return times[name if name.endswith("opaque") else f"{name}, opacity {opacity}"]
+    times[f"a peeled layer, opacity {opacity}"] = [
+        (b - a) / 8 for a, b in zip(of("peel --peel-layers 8"), of("peel --peel-layers 16"))]
+    for what, base, most in RATIOS:
+        value = statistics.median(a / b for a, b in zip(of(what), of(base)))
+        print(f"| {os.path.basename(model)}, opacity {opacity} | {what} / {base} | {value:.2f} | "
+              f"{most:.2f} |", flush=True)
 
 
-def transparency(models, folder, rounds):
-    measured = {}
-    print("| model | what | PSNR, dB | worst | ms a frame, median | range over rounds |\n"
-          "|---|---|---:|---:|---:|---:|")
+def faded(opacity):
+    """Name and options of every way to draw a model of that opacity."""
+    return {f"{' '.join(way)}, opacity {opacity}": ["--opacity", opacity, "--transparency", *way]
+            for way in TRANSPARENT}
+
+
+def transparent_errors(model, view, opacity, folder):
+    truth, out = (os.path.join(folder, n) for n in ["t.exr", "o.exr"])
+    layers(model, view, ["--opacity", opacity, "--transparency", "reference", "-o", truth], folder,
+           "0")
+    for name, way in faded(opacity).items():
+        layers(model, view, [*way, "-o", out], folder, "0")
+        covered = json.loads(stipple("compare", "--json", out, truth))["covered"]
+        print(f"| {os.path.basename(model)} | {name} | {covered['psnr'] or math.inf:.1f} | "
+              f"{covered['maximum']:.3f} |", flush=True)
+
+
+def transparent_times(model, view, opacities, folder, rounds):
+    ways = {name: way for opacity in opacities for name, way in faded(opacity).items()}
+    ways.update((f"{' '.join(way)}, opaque", ["--method", *way]) for way in OPAQUE)
+    times = {}
+    for _ in range(rounds):
+        for name, way in ways.items():
+            times.setdefault(name, []).append(layers(model, view, way, folder, "3"))
+    for name, ms in times.items():
+        print(f"| {os.path.basename(model)} | {name} | {statistics.median(ms):.1f} | "
+              f"{min(ms):.1f} - {max(ms):.1f} |", flush=True)
+    return times
+
+
+def transparency(models, folder, options):
+    view, opacities, measured = os.path.join(folder, "view.json"), options.opacity or ["0.3", "0.6"], {}
+    if options.part != "times":
+        print("| model | what | PSNR, dB | worst |\n|---|---|---:|---:|", flush=True)
+        for model in models:
+            camera(model, view)
+            for opacity in opacities:
+                transparent_errors(model, view, opacity, folder)
+    if options.part == "errors":
+        return
+    print("\n| model | what | ms a frame, median | range over rounds |\n|---|---|---:|---:|",
+          flush=True)
     for model in models:
-        view, truth, out = (os.path.join(folder, n) for n in ["view.json", "t.exr", "o.exr"])
         camera(model, view)
-        ways, errors, times = {}, {}, {}
-        for opacity in ["0.3", "0.6"]:
-            faded = ["--opacity", opacity]
-            layers(model, view, [*faded, "--transparency", "reference", "-o", truth], folder, "0")
-            for way in TRANSPARENT:
-                name = f"{' '.join(way)}, opacity {opacity}"
-                ways[name] = [*faded, "--transparency", *way]
-                layers(model, view, [*ways[name], "-o", out], folder, "0")
-                covered = json.loads(stipple("compare", "--json", out, truth))["covered"]
-                errors[name] = f"{covered['psnr'] or math.inf:.1f} | {covered['maximum']:.3f}"
-        for way in OPAQUE:
-            ways[f"{' '.join(way)}, opaque"] = ["--method", *way]
-        for _ in range(rounds):
-            for name, way in ways.items():
-                times.setdefault(name, []).append(layers(model, view, way, folder, "3"))
-        measured[model] = times
-        for name, ms in times.items():
-            print(f"| {os.path.basename(model)} | {name} | {errors.get(name, '- | -')} | "
-                  f"{statistics.median(ms):.1f} | {min(ms):.1f} - {max(ms):.1f} |", flush=True)
+        measured[model] = transparent_times(model, view, opacities, folder, options.rounds)
     print("\n| model | ratio of times | is | at most |\n|---|---|---:|---:|")
     for model, times in measured.items():
-        ratios(model, times)
+        for opacity in opacities:
+            ratios(model, opacity, times)
 
 
 def main():
@@ -220,12 +240,15 @@ def main():
     parser.add_argument("models", nargs="+", metavar="FILE.ply")
     parser.add_argument("--peers", metavar="DIR")
     parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--part", choices=["errors", "times"], help="of transparency; default: both")
+    parser.add_argument("--opacity", action="append", metavar="A",
+                        help="of transparency; default: 0.3 and 0.6")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         if options.what == "accuracy":
             accuracy(options.models, folder)
         elif options.what == "transparency":
-            transparency(options.models, folder, options.rounds)
+            transparency(options.models, folder, options)
         else:
             speed(options.models, folder, options.peers, options.rounds)
 

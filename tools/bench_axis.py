@@ -3,6 +3,7 @@
 
   tools/bench_axis.py tables FILE... [--view AZ,EL] [--rounds N]   splats, times and errors
   tools/bench_axis.py speed FILE... [--view AZ,EL] [--rounds N]    times by compute and by raster
+  tools/bench_axis.py volumes FILE... [--view AZ,EL] [--rounds N] [--pictures DIR]  a row a file
   tools/bench_axis.py popping FILE... [--view AZ,EL --to AZ,EL --frames N]
   tools/bench_axis.py cold FILE...                                 from the command to the EXR
   tools/bench_axis.py corners                                      weights from corners, not rays
@@ -10,7 +11,8 @@
 
 tables: splats drawn, the median of warm frames (interleaved over rounds), and the PSNR over covered
 pixels against the exact order of the float64 reference; 512 x 512, as in the paper. speed: the same
-frames, and what of them is the CPU's: the lists that a changed camera takes. popping: the
+frames, and what of them is the CPU's: the lists that a changed camera takes. volumes: errors and times
+of every merge, a row a file, 256 x 256, and a PNG of each. popping: the
 largest RMSE between neighbouring frames of a path from --view to --to, 256 x 256, of every merge and
 of the exact order itself. cold: wall clock of the whole command, the least of --rounds. corners: how far
 HM's weights, interpolated from the corners of a splat's square, are from those of each pixel's ray, in
@@ -120,7 +122,41 @@ def largest_step(file, options, ends, frames):
     return worst if not math.isnan(worst) else 0
 
 
-SPEED = [("compute", merge) for merge in ("blend", "clip", "single", "sort")] + [
+MERGES = ("blend", "clip", "single", "sort")
+
+
+def one_volume(file, view, rounds, folder, pictures):
+    """Splats, and of every merge the median of warm frames and its PSNR."""
+    truth, out, stats = (os.path.join(folder, n) for n in ("truth.exr", "out.exr", "stats.json"))
+    render(file, view, 256, truth, EXACT)
+    rows = {merge: {"ms": []} for merge in MERGES}
+    for turn in range(rounds):
+        for merge, row in rows.items():
+            more = ["--method", "axis", "--axis-merge", merge]
+            if pictures and turn == 0:
+                name = os.path.basename(file).split(".")[0]
+                more += ["--preview", os.path.join(pictures, f"{name}_{merge}.png")]
+            render(file, view, 256, out, more, stats, 2)
+            with open(stats, encoding="utf-8") as told:
+                figures = json.load(told)
+            row["ms"].append(figures["frame_ms"]["median"])
+            row["psnr"] = error(out, truth)["covered"]["psnr"]
+    return figures["splats"], rows
+
+
+def volumes(files, view, rounds, pictures):
+    print(f"View {view}, 256 x 256: dB over covered pixels against the exact order, and ms.\n")
+    print("| volume | kernels | " + " | ".join(MERGES) + " |")
+    print("| --- | ---: |" + " ---: |" * len(MERGES))
+    for file in files:
+        with tempfile.TemporaryDirectory() as folder:
+            splats, rows = one_volume(file, view, rounds, folder, pictures)
+        print(f"| {os.path.basename(file)} | {splats} | " + " | ".join(
+            f"{row['psnr']:.1f} dB, {statistics.median(row['ms']):.0f} ms" for row in rows.values())
+              + " |", flush=True)
+
+
+SPEED = [("compute", merge) for merge in MERGES] + [
     ("raster", merge) for merge in ("blend", "single")]
 
 
@@ -269,17 +305,21 @@ def sheet(out, file, start, end, frames, size):
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["tables", "speed", "popping", "cold", "corners", "sheet"])
+    parser.add_argument("what", choices=["tables", "speed", "volumes", "popping", "cold", "corners",
+                                         "sheet"])
     parser.add_argument("files", nargs="*", metavar="FILE")
     parser.add_argument("--view", default="45,35.264")
     parser.add_argument("--to", default="45,35.264")
     parser.add_argument("--frames", type=int, default=21)
     parser.add_argument("--rounds", type=int, default=2)
+    parser.add_argument("--pictures", metavar="DIR")
     given = parser.parse_args()
     if given.what == "tables":
         tables(given.files, given.view, given.rounds)
     elif given.what == "speed":
         speed(given.files, given.view, given.rounds)
+    elif given.what == "volumes":
+        volumes(given.files, given.view, given.rounds, given.pictures)
     elif given.what == "cold":
         cold(given.files, given.rounds)
     elif given.what == "corners":

@@ -4,7 +4,13 @@
   tools/bench_transparency.py cover              duplicates that K = 4 groups of equal discs take for
                                                  98 % each, beside the least that any choice can do
   tools/bench_transparency.py order [N]          a frame of N discs (1,000,000): the walk of the trees
-  tools/bench_transparency.py layers FILE.ply... nearest against fast, by how many layers a pixel has
+  tools/bench_transparency.py layers FILE.ply... nearest against fast, by how many layers a pixel
+                                                 has. Where fast's errors in the nearest layer and
+                                                 behind it cancel, it is better by luck: `by luck` is
+                                                 the share of pixels where they could, halved, since
+                                                 one sign is as likely as the other
+  tools/bench_transparency.py seam [N]           a slope of N discs (60,000), one layer over many
+                                                 slabs: by how much each way is too opaque, and ms
 """
 import argparse
 import array
@@ -123,14 +129,25 @@ def errors(image, truth, pixels):
     return [sum((image[c][i] - truth[c][i]) ** 2 for c in "RGB") / 3 for i in pixels]
 
 
+def worse_and_luck(fast, nearest, difference):
+    """Shares of the pixels where nearest is off by over 1/255 more than fast is; and of half of
+    those where a difference of the right sign would make it so."""
+    step, worse, coins = 1 / 255, 0, 0
+    for f, n, d in zip(fast, nearest, difference):
+        f, n, d = math.sqrt(f), math.sqrt(n), math.sqrt(d)
+        worse += n > f + step
+        coins += step < d < 2 * n - step
+    return worse / len(fast), coins / 2 / len(fast)
+
+
 def decibels(squares):
     mean = sum(squares) / len(squares)
     return -10 * math.log10(mean) if mean > 0 else math.inf
 
 
 def layers(folder, models):
-    print("| model | layers | pixels | fast, dB | nearest, dB | nearest worse by over 1/255 |\n"
-          "|---|---|---:|---:|---:|---:|")
+    print("| model | layers | pixels | fast, dB | nearest, dB | nearest worse by over 1/255 | by luck "
+          "|\n|---|---|---:|---:|---:|---:|---:|")
     view, out = (os.path.join(folder, n) for n in ["view.json", "o.exr"])
     for model in models:
         bench.camera(model, view)
@@ -147,17 +164,65 @@ def layers(folder, models):
                 if not pixels:
                     continue
                 a, b = (errors(pictures[way], truth, pixels) for way in ["fast", "nearest"])
-                worse = sum(math.sqrt(y) > math.sqrt(x) + 1 / 255 for x, y in zip(a, b))
+                worse, luck = worse_and_luck(a, b, errors(pictures["fast"], pictures["nearest"],
+                                                          pixels))
                 name = str(low) if low == high else f"{low} to {high}" if high < 999 else f"{low} up"
                 print(f"| {os.path.basename(model)}, {opacity} | {name} | {len(pixels)} | "
-                      f"{decibels(a):.1f} | {decibels(b):.1f} | "
-                      f"{100 * worse / len(pixels):.2f} % |", flush=True)
+                      f"{decibels(a):.1f} | {decibels(b):.1f} | {100 * worse:.2f} % | "
+                      f"{100 * luck:.2f} % |", flush=True)
+
+
+SLOPE = {"width": 2.3, "epsilon": 0.1, "spread": 0.02, "alpha": 0.5}
+
+
+def slope(path, count):
+    """Discs of one tilted plane, depth 4 + x, that lie up to a fifth of an epsilon behind it."""
+    dice = random.Random(7)
+    radius = SLOPE["width"] * math.sqrt(4.5 * math.sqrt(2) / (math.pi * count))
+    names = ["x", "y", "z", "nx", "ny", "nz", "radius"]
+    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n"
+    header += "".join(f"property float {name}\n" for name in names) + "end_header\n"
+    tilt = math.sqrt(0.5)
+    with open(path, "wb") as file:
+        file.write(header.encode())
+        for _ in range(count):
+            x, y = (SLOPE["width"] * (dice.random() - 0.5) for _ in range(2))
+            z = -4 - x - SLOPE["spread"] * dice.random()
+            file.write(struct.pack("<7f", x, y, z, tilt, 0, tilt, radius))
+
+
+def excess(alpha, size):
+    """Of opacity over the layer's own: in the mean, along the worst line of equal depth (a column of
+    the picture), and at most; without the rim, and without the few pixels that no disc covers."""
+    rim = size // 16
+    inner = range(rim, size - rim)
+    lines = [[alpha[y * size + x] - SLOPE["alpha"] for y in inner if alpha[y * size + x] > 0]
+             for x in inner]
+    means = [sum(line) / len(line) for line in lines]
+    return sum(means) / len(means), max(means), max(max(map(abs, line)) for line in lines)
+
+
+def seam(folder, count, size=1024):
+    """The camera looks along -z at a square of 2 units: columns are lines of equal depth."""
+    model, view, out = (os.path.join(folder, n) for n in ["slope.ply", "view.json", "o.exr"])
+    slope(model, count)
+    with open(view, "w", encoding="ascii") as file:
+        json.dump({"world_to_camera": [[int(a == b) for b in range(4)] for a in range(4)],
+                   "ortho_height": 2, "width": size, "height": size, "near": 1, "far": None}, file)
+    print("| way | too opaque, mean | along a line | in a pixel, at most | ms a frame |\n"
+          "|---|---:|---:|---:|---:|")
+    for way in [["fast"], ["nearest"], ["exact"], ["peel", "--peel-layers", "1"]]:
+        ms = bench.layers(model, view, ["--opacity", str(SLOPE["alpha"]), "--epsilon",
+                                        str(SLOPE["epsilon"]), "--transparency", *way,
+                                        "--compression", "none", "-o", out], folder)
+        mean, line, most = excess(planes(out)["A"], size)
+        print(f"| {' '.join(way)} | {mean:.5f} | {line:.5f} | {most:.5f} | {ms:.1f} |", flush=True)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("what", choices=["cover", "order", "layers"])
+    parser.add_argument("what", choices=["cover", "order", "layers", "seam"])
     parser.add_argument("arguments", nargs="*")
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
@@ -165,6 +230,8 @@ def main():
             cover(folder)
         elif options.what == "order":
             order(folder, int((options.arguments or ["1000000"])[0]))
+        elif options.what == "seam":
+            seam(folder, int((options.arguments or ["60000"])[0]))
         else:
             layers(folder, options.arguments)
 

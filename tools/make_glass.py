@@ -4,11 +4,15 @@
   tools/make_glass.py FOLDER                       writes the sky, a ball, and the scenes
   tools/make_glass.py FOLDER --model FILE.ply --ball X,Y,Z,R ...
                                                    and model.json: the model, transparent, with
-                                                   opaque balls in it
+                                                   opaque balls in it and around it; glass.json:
+                                                   the model of glass, an index for each channel,
+                                                   before the sky or --environment FILE
 
   stipple render FOLDER/sphere.json -o sphere.exr   a glass sphere before the sky
   stipple render FOLDER/beads.json -o beads.exr     opaque beads within a transparent knot
                                                    (Zhang & Pajarola 2006, Fig. 13)
+  stipple render FOLDER/glass.json --layers multi --background environment -o glass.exr
+                                                   or single: their Figs. 1 and 14
 
 Deterministic, standard library only. The sky is a Radiance picture: a chequered ground, a sky that
 pales towards the horizon, and a sun of 400.
@@ -112,11 +116,26 @@ def beads(folder):
 
 
 def within(folder, model, balls):
-    points = [{"file": os.path.abspath(model), "opacity": 0.3}]
-    for i, text in enumerate(balls):
-        x, y, z, r = (float(word) for word in text.split(","))
+    points = [{"file": os.path.abspath(model), "opacity": 0.3, "material": {"ior": 1}}]
+    for i, (x, y, z, r) in enumerate(balls):
         points.append(ball((x, y, z), r, COLORS[i % 4]))
     write_scene(folder, "model.json", points, {})
+
+
+def of_glass(folder, model, environment):
+    """Absorption a surface, as the models have few: two or four layers are told apart."""
+    glass = {"opacity": 0.02, "ior": [1.1, 1.12, 1.14], "absorption": [0.3, 0.08, 0.15]}
+    around = os.path.abspath(environment) if environment else "sky.hdr"
+    write_scene(folder, "glass.json", [{"file": os.path.abspath(model), "material": glass}],
+                {"environment": {"file": around}})
+
+
+def place(text):
+    """X,Y,Z,R"""
+    numbers = [float(word) for word in text.split(",")]
+    if len(numbers) != 4 or not all(map(math.isfinite, numbers)) or numbers[3] <= 0:
+        raise ValueError
+    return numbers
 
 
 def main():
@@ -124,8 +143,11 @@ def main():
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("folder", metavar="FOLDER")
     parser.add_argument("--model", metavar="FILE.ply")
-    parser.add_argument("--ball", action="append", default=[], metavar="X,Y,Z,R")
+    parser.add_argument("--ball", action="append", default=[], type=place, metavar="X,Y,Z,R")
+    parser.add_argument("--environment", metavar="FILE")
     options = parser.parse_args()
+    if (options.ball or options.environment) and not options.model:
+        parser.error("--ball and --environment are for a --model")
     os.makedirs(options.folder, exist_ok=True)
     write_sky(os.path.join(options.folder, "sky.hdr"))
     write_ball(os.path.join(options.folder, "ball.ply"), 20000)
@@ -133,6 +155,7 @@ def main():
     beads(options.folder)
     if options.model:
         within(options.folder, options.model, options.ball)
+        of_glass(options.folder, options.model, options.environment)
 
 
 if __name__ == "__main__":

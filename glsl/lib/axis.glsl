@@ -1,6 +1,9 @@
 // A voxel's kernel: a Gaussian of one shape for the whole picture (docs/axis.md).
 
 const float LOG2_E = 1.442695041;
+const float LEAST_ALPHA = float(STP_AXIS_LEAST_ALPHA);
+const float REACH2 = float(STP_AXIS_REACH * STP_AXIS_REACH);
+const float LEAST_EXPONENT = -0.5 * LOG2_E * REACH2; // log2 of exp(-m^2 / 2) at the reach
 
 // What a pixel's ray makes of the shape. With B what takes the camera frame to deviations, d the ray, q
 // the kernel's centre from the ray's point at its depth (q.z = 0): m^2 = |Bq x Bd|^2 / |Bd|^2, free of the
@@ -12,6 +15,7 @@ struct Ray {
     float a;     // |B (d, 1)|^2
     vec3 form;   // of log2 exp(-m^2 / 2) in q: xx, 2 xy, yy
     float scale; // log2 of the line integral's factor, amplitude |(d, 1)| sqrt(2 pi / a), times LOG2_E
+    float near, far; // with AXIS_CUT
 };
 
 Ray axis_ray(vec2 pixel)
@@ -27,6 +31,8 @@ Ray axis_ray(vec2 pixel)
     r.g = vec2(dot(x, ray), dot(y, ray)) / r.a;
     r.form = -0.5 * LOG2_E / r.a * vec3(dot(across, across), 2 * dot(across, down), dot(down, down));
     r.scale = log2(LOG2_E * frame.axis.scale * length(v) * inversesqrt(r.a));
+    r.near = frame.near_depth;
+    r.far = frame.far_depth;
     return r;
 }
 
@@ -42,7 +48,8 @@ float erf_of(float x)
 
 // The opacity that a kernel at `centre` (camera frame) adds to the ray, 0 where it has no fragment;
 // `log_tau` is log2 of its optical depth a scene unit; `depth` gets where its density is greatest on
-// the visible part of the ray.
+// the visible part of the ray. This is what the walks' time goes into: nothing is read from memory,
+// and selections are no branches (of which `&&` would be one).
 float axis_alpha(Ray r, vec3 centre, float log_tau, out float depth)
 {
     vec2 q = centre.xy - (ORTHOGRAPHIC ? r.d : centre.z * r.d);
@@ -51,18 +58,18 @@ float axis_alpha(Ray r, vec3 centre, float log_tau, out float depth)
     depth = centre.z + dot(r.g, q);
     if (AXIS_CUT) {
         float peak = depth, root = sqrt(0.5 * r.a);
-        depth = clamp(peak, frame.near_depth, frame.far_depth);
+        depth = clamp(peak, r.near, r.far);
         seen -= 0.5 * LOG2_E * r.a * (depth - peak) * (depth - peak);
-        share = 0.5 * (erf_of(min((frame.far_depth - peak) * root, 9)) -
-                       erf_of(max((frame.near_depth - peak) * root, -9)));
+        share = 0.5 * (erf_of(min((r.far - peak) * root, 9)) -
+                       erf_of(max((r.near - peak) * root, -9)));
     }
     float x = exp2(e + (r.scale + log_tau)); // optical depth times LOG2_E
     if (AXIS_CUT)
         x *= share;
     // Thin media keep their digits: 1 - 2^-x by its series, within 1e-7 of itself.
     float thin = x * (0.693147181 - x * (0.240226507 - 0.0555041087 * x));
-    float alpha = x < 0.0225 ? thin : 1 - exp2(-x);
-    return seen >= frame.axis.least_exponent && alpha >= frame.axis.least_alpha ? alpha : 0;
+    float alpha = mix(1 - exp2(-x), thin, x < 0.0225);
+    return mix(0, alpha, all(bvec2(seen >= LEAST_EXPONENT, alpha >= LEAST_ALPHA)));
 }
 
 vec3 axis_world_ray(vec2 pixel)

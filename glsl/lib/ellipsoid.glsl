@@ -1,4 +1,5 @@
 // Ellipsoids of range images, each with a shape of its own (docs/range.md). Needs lib/axis.glsl.
+#include "lib/projected.glsl"
 
 // Its precision is R'R, R = (r.x r.y r.z; 0 s.x s.y; 0 0 s.z): a factor keeps the digits that the
 // precision of a long ellipsoid would lose.
@@ -20,7 +21,7 @@ void ellipsoid_factor(vec3 a, vec3 b, vec3 c, inout Ellipsoid e)
     float u23 = dot(y, z) / u33, u13 = dot(x, z) / u33, u12 = dot(xz, yz) / (u33 * area);
     e.r = vec3(1 / u11, -u12 / (u11 * u22), (u12 * u23 - u22 * u13) / (u11 * u22 * u33));
     e.s = vec3(1 / u22, -u23 / (u22 * u33), 1 / u33);
-    e.extent = sqrt(frame.axis.reach2) * vec3(length(x), length(y), u33);
+    e.extent = float(STP_AXIS_REACH) * vec3(length(x), length(y), u33);
 }
 
 void ellipsoid_store(uint at, Ellipsoid e, vec3 color)
@@ -35,8 +36,8 @@ void ellipsoid_store(uint at, Ellipsoid e, vec3 color)
 Ellipsoid ellipsoid_load(uint at, out vec3 color)
 {
     at *= STP_ELLIPSOID_DRAWN;
-    vec4 a = frame.projected.v[at], b = frame.projected.v[at + 1];
-    vec4 c = frame.projected.v[at + 2], d = frame.projected.v[at + 3];
+    vec4 a = projected_at(at), b = projected_at(at + 1);
+    vec4 c = projected_at(at + 2), d = projected_at(at + 3);
     color = b.xyz;
     return Ellipsoid(a.xyz, a.w, c.xyz, d.xyz, vec3(b.w, c.w, d.w));
 }
@@ -67,8 +68,8 @@ float ellipsoid_alpha(Ellipsoid e, vec2 d, out float depth)
     }
     float along = ORTHOGRAPHIC ? 1 : sqrt(dot(d, d) + 1);
     float x = e.tau * 2.50662827 * along * inversesqrt(a) * share * exp(-0.5 * m2);
-    float alpha = x < 0.015625 ? x * (1 - x * (0.5 - x / 6)) : 1 - exp(-x);
-    return seen <= frame.axis.reach2 && alpha >= frame.axis.least_alpha ? alpha : 0;
+    float alpha = mix(1 - exp(-x), x * (1 - x * (0.5 - x / 6)), x < 0.015625);
+    return mix(0, alpha, all(bvec2(seen <= REACH2, alpha >= LEAST_ALPHA)));
 }
 
 // The form of m^2 in q at the centre's ray: xx, xy, yy.

@@ -1,6 +1,7 @@
 // A surface's splat on the screen: the truncated Gaussian exp(-2 rho^2) on its disc or ellipse
 // (docs/axis.md, "A surface's splat"). All is linear in the pixel, counted from one near its centre, so
 // that offsets are whole numbers. Needs common.glsl.
+#include "lib/projected.glsl"
 
 const bool PROJECTIVE = !ORTHOGRAPHIC; // where no floor says otherwise
 
@@ -41,13 +42,13 @@ GaussianWords gaussian_words(uint id)
 {
     uint at = gaussian_stride() * id;
     GaussianWords w;
-    w.head = frame.projected.v[at];
-    w.s = frame.projected.v[at + 1];
-    w.t = frame.projected.v[at + 2];
-    w.v = frame.projected.v[at + 3];
+    w.head = projected_at(at);
+    w.s = projected_at(at + 1);
+    w.t = projected_at(at + 2);
+    w.v = projected_at(at + 3);
     if (PHONG == 2) {
-        w.clip[0] = frame.projected.v[at + 4];
-        w.clip[1] = frame.projected.v[at + 5];
+        w.clip[0] = projected_at(at + 4);
+        w.clip[1] = projected_at(at + 5);
     }
     return w;
 }
@@ -79,12 +80,13 @@ float gaussian_alpha(GaussianWords w, vec2 pixel, out float depth)
     st *= inv;
     depth = projective ? w.head.z * inv : clamp(v, w.head.z, w.head.w);
     float rho2 = dot(st, st), alpha = w.head.y * exp2(-2.885390082 * rho2);
-    bool seen = rho2 <= 1 && alpha >= frame.axis.least_alpha;
+    bool seen = all(bvec2(rho2 <= 1, alpha >= float(STP_AXIS_LEAST_ALPHA)));
     if (AXIS_CUT)
-        seen = seen && depth >= frame.near_depth && depth <= frame.far_depth;
+        seen = all(bvec3(seen, depth >= frame.near_depth, depth <= frame.far_depth));
     if (PHONG == 2) {
         float first = dot(w.clip[0].xyz, vec3(st, 1)), second = dot(w.clip[1].xyz, vec3(st, 1));
-        seen = seen && (w.clip[0].w != 0 ? max(first, second) : min(first, second)) >= 0;
+        float kept = mix(min(first, second), max(first, second), w.clip[0].w != 0);
+        seen = all(bvec2(seen, kept >= 0));
     }
-    return seen ? alpha : 0;
+    return mix(0, alpha, seen);
 }

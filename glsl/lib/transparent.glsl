@@ -12,10 +12,3 @@ MaterialData splat_material(uint id)
 {
     return frame.materials.v[splat_object(id)];
 }
-
-vec3 splat_albedo(uint id)
-{
-    if (HAS_COLOR)
-        return frame.colors.v[id];
-    return splat_material(id).albedo;
-}

@@ -4,28 +4,61 @@
 #else
 #define VARY(at) layout(location = at) flat out
 #endif
-VARY(0) uint vary_id;
-VARY(1) vec4 vary_a; // part, zc, g
-VARY(5) ivec2 vary_whole;
-VARY(2) vec4 vary_b; // ab, h
-VARY(3) vec4 vary_c; // q, reach (negative: the disc is clipped)
+// A software device stores and sets up each location of each triangle: there are few, and full.
+VARY(0) uvec4 vary_words; // id, the normal where PACKED or BLENDED's slab, whole
+VARY(1) vec4 vary_a;      // part, zc, g
+VARY(2) vec4 vary_b;      // ab, h
+VARY(3) vec4 vary_c;      // q, reach (negative: the near plane cuts the splat; see vary_clipped)
 VARY(4) vec3 vary_normal;
-VARY(6) uint vary_encoded; // the normal, PACKED
+#define vary_id      vary_words.x
+#define vary_encoded vary_words.y
+#define vary_thick   vary_words.y // of its object's slabs, over the least, as bits
 #ifdef WITH_PHONG
-VARY(7) vec4 vary_st;
-VARY(8) vec3 vary_field;   // the field's normal is vary_field + vary_field_s s + vary_field_t t
-VARY(9) vec3 vary_field_s;
-VARY(10) vec3 vary_field_t;
+VARY(5) vec4 vary_st;
+VARY(6) vec3 vary_field; // the field's normal is vary_field + vary_field_s s + vary_field_t t
+VARY(7) vec3 vary_field_s;
+VARY(8) vec3 vary_field_t;
 #endif
 #ifdef BLENDED
-VARY(7) vec4 vary_color; // shaded, or the albedo; opacity
+VARY(5) vec4 vary_color; // shaded, or the albedo; opacity
 #endif
 
-#ifdef FRAGMENT
+// A splat that the near plane cuts has no footprint; in its place goes what clipped_hit takes. A
+// fragment that loaded the splat again would do so for every splat: software devices run both sides
+// of a branch.
+#ifndef FRAGMENT
+void vary_clipped(Splat s)
+{
+#ifdef WITH_PHONG
+    vary_a = vec4(s.center, s.phong.radius.x);
+    vary_b = vec4(s.normal, s.phong.radius.y);
+    vary_c = vec4(s.phong.u, s.phong.side < 0 ? -2 : -1);
+#else
+    vary_a = vec4(s.center, s.radius);
+    vary_b = vec4(s.normal, 0);
+    vary_c = vec4(0, 0, 0, -1);
+#endif
+}
+#else
+bool clipped_here(Phong e, uvec2 pixel, out Fragment fragment)
+{
+    Splat s;
+    s.center = vary_a.xyz;
+    s.normal = vary_b.xyz;
+    s.radius = vary_a.w;
+    s.phong = e;
+#ifdef WITH_PHONG
+    s.phong.radius = vec2(vary_a.w, vary_b.w);
+    s.phong.u = vary_c.xyz;
+    s.phong.v = (vary_c.w < -1.5 ? -1 : 1) * cross(s.normal, s.phong.u);
+#endif
+    return clipped_hit(s, pixel, fragment);
+}
+
 // Discards where the pixel's ray misses the splat.
 Fragment fragment_here()
 {
-    Footprint f = Footprint(Place(vary_whole, vary_a.xy), vary_a.w, vary_b.xy, vary_c.xyz, vary_a.z,
+    Footprint f = Footprint(Place(ivec2(vary_words.zw), vary_a.xy), vary_a.w, vary_b.xy, vary_c.xyz, vary_a.z,
                             vary_b.zw, vary_c.w, vec4(0));
     Phong e;
 #ifdef WITH_PHONG
@@ -34,17 +67,8 @@ Fragment fragment_here()
 #endif
     Fragment fragment;
     uvec2 pixel = uvec2(gl_FragCoord.xy) + uvec2(frame.tile_x, frame.tile_y);
-    bool hit;
-    if (f.reach < 0) {
-        Splat s;
-        splat_load(vary_id, s);
-#ifdef BLENDED
-        s.radius *= push_factor;
-#endif
-        hit = clipped_hit(s, pixel, fragment);
-    } else {
-        hit = footprint_hit(f, e, place_offset(f.p, pixel), fragment);
-    }
+    bool hit = f.reach < 0 ? clipped_here(e, pixel, fragment)
+                           : footprint_hit(f, e, place_offset(f.p, pixel), fragment);
     if (!hit)
         discard;
     return fragment;

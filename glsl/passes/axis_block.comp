@@ -5,12 +5,9 @@
 // each pixel's ray says (HM Eq. 1).
 // PARTS: one walk, AXIS_PART_ENTRIES entries of its list at most, since a device may stop long loops;
 // sums are kept in memory, and axis_merge.comp merges them.
-// GROUPED: a subgroup is a block's eight threads. Each fetches a splat, then all take all eight.
+// FETCHED: splats come as texels (lib/projected.glsl). A thread fetches by itself what its block's eight
+// all take: a broadcast by subgroup is a loop on a software device, and costs more.
 #include "lib/common.glsl"
-#ifdef GROUPED
-#extension GL_KHR_shader_subgroup_ballot : require
-#extension GL_KHR_shader_subgroup_vote : require
-#endif
 #include "lib/pixel.glsl"
 #include "lib/axis.glsl"
 #include "lib/axis_output.glsl"
@@ -40,7 +37,7 @@ struct Splat {
 
 Splat fetch(uint entry, bool known)
 {
-    uint id = frame.order.v[entry];
+    uint id = order_at(entry);
     Splat s;
     if (DISCS) {
         s.words = gaussian_words(id);
@@ -55,8 +52,8 @@ Splat fetch(uint entry, bool known)
         s.s = e.s;
         return s;
     }
-    s.place = frame.projected.v[2 * id];
-    s.color = frame.projected.v[2 * id + 1].xyz;
+    s.place = projected_at(2 * id);
+    s.color = projected_at(2 * id + 1).xyz;
     s.place.w = known ? s.place.w : NOTHING;
     return s;
 }
@@ -71,58 +68,19 @@ float alpha_of(Splat s, Ray ray, out float depth)
     return axis_alpha(ray, s.place.xyz, s.place.w, depth);
 }
 
-#ifdef GROUPED
-Splat from_lane(Splat s, uint lane)
-{
-    if (DISCS) {
-        s.words.head = subgroupBroadcast(s.words.head, lane);
-        s.words.s = subgroupBroadcast(s.words.s, lane);
-        s.words.t = subgroupBroadcast(s.words.t, lane);
-        s.words.v = subgroupBroadcast(s.words.v, lane);
-        if (PHONG == 2) {
-            s.words.clip[0] = subgroupBroadcast(s.words.clip[0], lane);
-            s.words.clip[1] = subgroupBroadcast(s.words.clip[1], lane);
-        }
-        s.color = gaussian_color(s.words);
-        return s;
-    }
-    s.place = subgroupBroadcast(s.place, lane);
-    s.color = subgroupBroadcast(s.color, lane);
-    if (ELLIPSOIDS) {
-        s.r = subgroupBroadcast(s.r, lane);
-        s.s = subgroupBroadcast(s.s, lane);
-    }
-    return s;
-}
-#endif
-
-bool anyone(bool still)
-{
-#ifdef GROUPED
-    return subgroupAny(still);
-#else
-    return still;
-#endif
-}
-
 // The nearest entry comes last in a list: from `end` backwards. dark: of each pixel, light that is
 // too little to go on for.
 void take(uint end, uint count, const Ray ray[STP_AXIS_ROWS], const float dark[STP_AXIS_ROWS],
           inout Sums sums)
 {
-    uint lane = gl_LocalInvocationIndex % COLUMNS;
     bool still = true;
     float left[STP_AXIS_ROWS] = float[](0, 0, 0, 0); // light of pixels that are dark
-    for (uint n = 0; n < count && anyone(still); n += TURN) {
-#ifdef GROUPED
-        Splat mine = fetch(max(end, n + lane + 1) - n - lane - 1, n + lane < count);
-#endif
+    for (uint n = 0; n < count && still; n += TURN) {
+        Splat next[TURN]; // all before the first is needed: loads wait side by side
+        [[unroll]] for (uint k = 0; k < TURN; k++)
+            next[k] = fetch(max(end, n + k + 1) - n - k - 1, n + k < count);
         [[unroll]] for (uint k = 0; k < TURN; k++) {
-#ifdef GROUPED
-            Splat s = from_lane(mine, k);
-#else
-            Splat s = fetch(max(end, n + k + 1) - n - k - 1, n + k < count);
-#endif
+            Splat s = next[k];
             [[unroll]] for (uint i = 0; i < ROWS; i++) {
                 float depth;
                 float w = sums.color[i].w * alpha_of(s, ray[i], depth);

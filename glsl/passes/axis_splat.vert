@@ -38,7 +38,7 @@ vec2 around_ellipse(vec3 c, vec3 form, uint corner, float bend)
     vec2 at = middle + focal * c.xy / z;
     float xx = form.x, xy = form.y, yy = form.z;
     vec2 u = vec2(corner == 0 ? 1.0 : -0.5, corner == 0 ? 0 : corner == 1 ? 0.8660254 : -0.8660254);
-    u *= WIDE * sqrt(frame.axis.reach2) * (1 + 2 * bend) / z;
+    u *= WIDE * float(STP_AXIS_REACH) * (1 + 2 * bend) / z;
     float l11 = sqrt(xx), l21 = xy / l11, l22 = sqrt(max(yy - l21 * l21, 1e-6 * yy));
     vec2 d;
     d.y = u.y / l22;

@@ -14,6 +14,7 @@ layout(location = 4) flat out vec4 vary_clip[2];
 const float WIDE = 2.02;    // an equilateral triangle of inradius 1 reaches 2
 const float BEND = 0.2;     // of v over the outline, up to which it is nearly an ellipse
 const float SLACK = 0.0625; // pixels: vertices are snapped to 1/256 of one
+const float LOSS = 1e-6;    // of what determinants of floats lose, relative to their terms
 
 vec4 to_clip(vec2 pixel)
 {
@@ -49,15 +50,18 @@ vec2 corner_of(GaussianWords w, uint corner)
     vec2 reach = at * sqrt(vec2(dot(vec2(inverse_[0].x, inverse_[1].x), vec2(inverse_[0].x, inverse_[1].x)),
                                 dot(vec2(inverse_[0].y, inverse_[1].y), vec2(inverse_[0].y, inverse_[1].y))));
     float bend = dot(abs(v.xy), reach) / at;
-    if (bend < BEND) {
-        vec2 d = inverse_ * (WIDE * at * (1 + 2 * bend) * turn);
-        return middle + centre + d + SLACK * WIDE * sign(d);
+    float loss = LOSS * (abs(w.s.x * w.t.y) + abs(w.s.y * w.t.x)) / abs(det);
+    if (bend < BEND && loss * max(reach.x, reach.y) < SLACK) {
+        // A pixel is that much of s and t; twice it, so that both may be off at once.
+        vec2 wider = 1 + 2 * SLACK / at * vec2(length(w.s.xy), length(w.t.xy));
+        return middle + centre + inverse_ * (WIDE * at * (1 + 2 * bend) * wider * turn);
     }
     vec4 box;
     if (!conic_bounds(w.s.xyz, w.t.xyz, v, box))
         box = vec4(-1e8, -1e8, 1e8, 1e8);
-    vec2 low = clamp(middle + box.xy - 1, tile - 1, tile + size + 1);
-    vec2 high = clamp(middle + box.zw + 1, tile - 1, tile + size + 1);
+    float rounding = 1 + loss * max(max(abs(box.x), abs(box.y)), max(abs(box.z), abs(box.w)));
+    vec2 low = clamp(middle + box.xy - rounding, tile - 1, tile + size + 1);
+    vec2 high = clamp(middle + box.zw + rounding, tile - 1, tile + size + 1);
     return low + vec2(corner == 1 ? 2 : 0, corner == 2 ? 2 : 0) * (high - low);
 }
 

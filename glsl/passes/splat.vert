@@ -67,11 +67,16 @@ void main()
     uint id = index;
 #endif
     Splat s;
-    bool floored, seen = splat_load(id, s);
+    // Radius 0: a lane that has no vertex. A software device fills up its vectors with lanes that load
+    // zeros; one of them off the screen, or a NaN, sends the whole batch through the clipper.
+    bool floored, seen = splat_load(id, s) && s.radius > 0;
 #ifdef BLENDED
     s.radius *= push_factor;
-    vec3 albedo = splat_albedo(id);
-    vary_color = vec4(SHADED_ONCE ? shade(splat_material(id), albedo, s.normal, vec2(0), 0) : albedo,
+    // The object of the splat as it was loaded: where it was loaded once more for the tag alone, Mesa
+    // 22.3 on a CPU gave another of its words, and the material was looked up far outside.
+    MaterialData material = frame.materials.v[HAS_OBJECTS ? s.tag >> 8 : 0];
+    vec3 albedo = HAS_COLOR ? frame.colors.v[id] : material.albedo;
+    vary_color = vec4(SHADED_ONCE ? shade(material, albedo, s.normal, vec2(0), 0) : albedo,
                       splat_opacity(id));
 #endif
     Footprint f = footprint_make(s, floored);
@@ -83,20 +88,25 @@ void main()
 #ifdef LAYERS
     gl_Layer = int(splat_group(s));
 #endif
-    vary_id = id;
-    vary_whole = f.p.whole;
+#if defined(WITH_PHONG)
+    const uint encoded = 0;
+#elif defined(BLENDED)
+    uint encoded = floatBitsToUint(material.epsilon * frame.slab_scale);
+#else
+    uint encoded = PACKED ? normal_encode(s.normal) : 0;
+#endif
+    vary_words = uvec4(id, encoded, f.p.whole);
     vary_a = vec4(f.p.part, f.zc, f.g);
     vary_b = vec4(f.ab, f.h);
-    vary_c = vec4(f.q, splat_clipped(s, floored) ? -1 : f.reach);
+    vary_c = vec4(f.q, f.reach);
+    if (splat_clipped(s, floored))
+        vary_clipped(s);
     vary_normal = s.normal;
 #ifdef WITH_PHONG
-    vary_encoded = 0;
     Phong e = s.phong;
     vary_st = f.st;
     vary_field = s.normal + e.side * (e.field.x * e.u + e.field.z * e.v);
     vary_field_s = e.side * e.field.y * e.u;
     vary_field_t = e.side * e.field.w * e.v;
-#else
-    vary_encoded = PACKED ? normal_encode(s.normal) : 0;
 #endif
 }

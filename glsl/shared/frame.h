@@ -66,6 +66,8 @@
 #define STP_BINDING_RADII      9
 #define STP_AXIS_PART          262144u /* entries of a block's list that one pass takes */
 #define STP_AXIS_ROWS          4       /* pixels of a block's column: blocks are 8 x 4 */
+#define STP_AXIS_REACH         3.0     /* of kernels, in deviations */
+#define STP_AXIS_LEAST_ALPHA   1e-4    /* of a fragment */
 #define STP_AXIS_MERGE_BLEND   0
 #define STP_AXIS_MERGE_CLIP    1
 #define STP_ELLIPSOID          5 /* vectors of one: centre, tau; colour; then its axes */
@@ -76,6 +78,8 @@
 #define STP_BINDING_AXIS_DEPTH 11
 #define STP_BINDING_SLOTS      12
 #define STP_BINDING_SLOT_IDS   13
+#define STP_BINDING_PROJECTED  14
+#define STP_BINDING_ORDER      15
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
 #define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
 #define STP_DEEP_FLOATS        5
@@ -144,12 +148,9 @@ struct stp_level_gpu {
 
 /* HM: kernels of one shape, and the walks that draw them; zero without them. */
 struct stp_axis_gpu {
-    float shape[9];       /* of each of the grid's axes, camera frame: over its deviation */
-    float extent[3];      /* of the box around a kernel's reach */
-    float reach2;         /* squared, in deviations */
-    float least_exponent; /* log2 of exp(-reach2 / 2) */
-    float scale;          /* amplitude * sqrt(2 pi) */
-    float least_alpha;
+    float shape[9];  /* of each of the grid's axes, camera frame: over its deviation */
+    float extent[3]; /* of the box around a kernel's reach */
+    float scale;     /* amplitude * sqrt(2 pi) */
     float h;
     uint merge;              /* STP_AXIS_MERGE_* */
     uint splats;             /* all kernels */

@@ -85,8 +85,7 @@ enum stp_feature {
     STP_FEATURE_STORAGE_FORMATS = 32, /* shaderStorageImageExtendedFormats: raster paths */
     STP_FEATURE_SHARED_MEMORY = 64,   /* device memory that the host may write: nothing is staged */
     STP_FEATURE_INDEPENDENT_BLEND = 128, /* independentBlend: transparency fast and nearest */
-    STP_FEATURE_SUBGROUP_8 = 256,        /* subgroups of 8, with votes and broadcasts: axis lists */
-    STP_FEATURE_TEXEL_BUFFERS = 512,     /* of 2^27 texels: exact reads its slots through them */
+    STP_FEATURE_TEXEL_BUFFERS = 256,     /* of 2^27 texels: slots of exact, lists of axis */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);

@@ -69,15 +69,6 @@ static void survey_memory(const struct gpu_instance *instance, VkPhysicalDevice 
         limits->features |= STP_FEATURE_SHARED_MEMORY;
 }
 
-static bool has_subgroups_of_8(const VkPhysicalDeviceVulkan11Properties *p)
-{
-    const VkSubgroupFeatureFlags needed = VK_SUBGROUP_FEATURE_BASIC_BIT |
-                                          VK_SUBGROUP_FEATURE_VOTE_BIT |
-                                          VK_SUBGROUP_FEATURE_BALLOT_BIT;
-    return p->subgroupSize == 8 && (p->subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
-           (p->subgroupSupportedOperations & needed) == needed;
-}
-
 bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice device,
                        struct stp_device_info *info)
 {
@@ -108,8 +99,6 @@ bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice dev
     l->processor = p.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? 1 : 2;
     survey_features(instance, device, info);
     survey_memory(instance, device, l);
-    if (has_subgroups_of_8(&v11))
-        l->features |= STP_FEATURE_SUBGROUP_8;
     if (p.properties.limits.maxTexelBufferElements >= PLAN_MOST_TEXELS)
         l->features |= STP_FEATURE_TEXEL_BUFFERS;
     return info->usable;

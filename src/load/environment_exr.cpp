@@ -2,22 +2,11 @@
 #include "load/environment.h"
 #include "load/exr_bytes.hpp"
 
-#include <cstring>
-#include <exception>
-#include <new>
-#include <string>
-
-#include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
-
-extern "C" {
-#include "base/log.h"
-}
 
 namespace
 {
@@ -48,13 +37,7 @@ enum stp_result check_channels(const struct stp_env *env, const char *path,
     const bool three = in_color(channels);
     if (!three && (!has(channels, "Y") || has(channels, "RY")))
         return log_error(env, STP_ERROR_FORMAT, "%s: it has no channels R G B, nor Y alone", path);
-    for (int i = 0; i < (three ? 3 : 1); i++) {
-        const Imf::Channel *channel = channels.findChannel((three ? color : grey)[i]);
-        if (channel->xSampling != 1 || channel->ySampling != 1)
-            return log_error(env, STP_ERROR_FORMAT, "%s: channel %s is subsampled", path,
-                             (three ? color : grey)[i]);
-    }
-    return STP_OK;
+    return exr_check_sampling(env, path, channels, three ? color : grey, three ? 3 : 1);
 }
 
 /* Grey is read once, as red. */
@@ -88,12 +71,9 @@ enum stp_result read_file(const struct stp_env *env, const char *path,
     enum stp_result result = check_channels(env, path, header.channels());
     if (result != STP_OK)
         return result;
-    const Imath::Box2i window = header.dataWindow();
     /* Before any line buffer: a damaged header may ask for terabytes. */
-    int64_t width = static_cast<int64_t>(window.max.x) - window.min.x + 1;
-    int64_t height = static_cast<int64_t>(window.max.y) - window.min.y + 1;
-    result = environment_allocate(env, path, width > 0 ? static_cast<uint64_t>(width) : 0,
-                                  height > 0 ? static_cast<uint64_t>(height) : 0, map);
+    const ExrSize size = exr_size(header);
+    result = environment_allocate(env, path, size.width, size.height, map);
     if (result == STP_OK)
         read_pixels(file, map);
     return result;
@@ -110,14 +90,8 @@ enum stp_result environment_read_exr(const struct stp_env *env, const char *path
                                      const struct file_bytes *bytes, struct environment_map *map)
 {
     struct environment_map read = {};
-    enum stp_result result;
-    try {
-        result = read_file(env, path, bytes, &read);
-    } catch (const std::bad_alloc &) {
-        result = log_error(env, STP_ERROR_MEMORY, "%s: out of memory", path);
-    } catch (const std::exception &failure) {
-        result = log_error(env, STP_ERROR_FORMAT, "%s: damaged: %s", path, failure.what());
-    }
+    enum stp_result result =
+        exr_guarded(env, path, [&] { return read_file(env, path, bytes, &read); });
     if (result == STP_OK)
         *map = read;
     else

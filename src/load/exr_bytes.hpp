@@ -1,13 +1,21 @@
-// A file in memory, as OpenEXR's C++ library reads one.
+// A file in memory, as OpenEXR's C++ library reads one, and what its readers share.
 #ifndef STP_LOAD_EXR_BYTES_HPP
 #define STP_LOAD_EXR_BYTES_HPP
 
 #include <cstring>
+#include <exception>
+#include <new>
 #include <stdexcept>
 
+#include <ImfChannelList.h>
+#include <ImfHeader.h>
 #include <ImfIO.h>
 
 #include "base/file.h"
+
+extern "C" {
+#include "base/log.h"
+}
 
 class ExrBytes : public Imf::IStream
 {
@@ -39,5 +47,44 @@ class ExrBytes : public Imf::IStream
     const unsigned char *data;
     uint64_t size, at;
 };
+
+// What `read` returns, or, of an exception, which leaves no file, what it means.
+template <typename Read>
+enum stp_result exr_guarded(const struct stp_env *env, const char *path, Read read)
+{
+    try {
+        return read();
+    } catch (const std::bad_alloc &) {
+        return log_error(env, STP_ERROR_MEMORY, "%s: out of memory", path);
+    } catch (const std::exception &failure) {
+        return log_error(env, STP_ERROR_FORMAT, "%s: damaged: %s", path, failure.what());
+    }
+}
+
+// Every channel named is there; each must have all its pixels.
+inline enum stp_result exr_check_sampling(const struct stp_env *env, const char *path,
+                                          const Imf::ChannelList &channels,
+                                          const char *const *names, unsigned count)
+{
+    for (unsigned i = 0; i < count; i++) {
+        const Imf::Channel *channel = channels.findChannel(names[i]);
+        if (channel->xSampling != 1 || channel->ySampling != 1)
+            return log_error(env, STP_ERROR_FORMAT, "%s: channel %s is subsampled", path, names[i]);
+    }
+    return STP_OK;
+}
+
+// Of the data window; 0 where a damaged header has it the wrong way round.
+struct ExrSize {
+    uint64_t width, height;
+};
+inline ExrSize exr_size(const Imf::Header &header)
+{
+    const Imath::Box2i window = header.dataWindow();
+    const int64_t width = static_cast<int64_t>(window.max.x) - window.min.x + 1;
+    const int64_t height = static_cast<int64_t>(window.max.y) - window.min.y + 1;
+    return { width > 0 ? static_cast<uint64_t>(width) : 0,
+             height > 0 ? static_cast<uint64_t>(height) : 0 };
+}
 
 #endif

@@ -2,19 +2,10 @@
 #include "load/exr_bytes.hpp"
 #include "load/range.h"
 
-#include <exception>
-#include <new>
-
-#include <ImfChannelList.h>
 #include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
 #include <ImfInputPart.h>
 #include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
-
-extern "C" {
-#include "base/log.h"
-}
 
 namespace
 {
@@ -39,12 +30,7 @@ enum stp_result check_channels(const struct stp_env *env, const char *path,
     if (!names)
         return log_error(env, STP_ERROR_FORMAT, "%s: it has no %s, nor a channel Y", path,
                          plane == RANGE_DEPTH ? "channel Z" : "channels R G B");
-    for (unsigned i = 0; i < count; i++) {
-        const Imf::Channel *channel = channels.findChannel(names[i]);
-        if (channel->xSampling != 1 || channel->ySampling != 1)
-            return log_error(env, STP_ERROR_FORMAT, "%s: channel %s is subsampled", path, names[i]);
-    }
-    return STP_OK;
+    return exr_check_sampling(env, path, channels, names, count);
 }
 
 void read_pixels(Imf::MultiPartInputFile &file, enum range_plane plane, struct range_image *image)
@@ -76,12 +62,9 @@ enum stp_result read_file(const struct stp_env *env, const char *path,
     enum stp_result result = check_channels(env, path, header.channels(), plane);
     if (result != STP_OK)
         return result;
-    const Imath::Box2i window = header.dataWindow();
-    int64_t width = static_cast<int64_t>(window.max.x) - window.min.x + 1;
-    int64_t height = static_cast<int64_t>(window.max.y) - window.min.y + 1;
+    const ExrSize size = exr_size(header);
     wanted(header.channels(), plane, &count);
-    result = range_allocate(env, path, width > 0 ? static_cast<uint64_t>(width) : 0,
-                            height > 0 ? static_cast<uint64_t>(height) : 0, count, image);
+    result = range_allocate(env, path, size.width, size.height, count, image);
     if (result == STP_OK)
         read_pixels(file, plane, image);
     return result;
@@ -94,14 +77,8 @@ enum stp_result range_read_exr(const struct stp_env *env, const char *path,
                                struct range_image *image)
 {
     struct range_image read = {};
-    enum stp_result result;
-    try {
-        result = read_file(env, path, bytes, plane, &read);
-    } catch (const std::bad_alloc &) {
-        result = log_error(env, STP_ERROR_MEMORY, "%s: out of memory", path);
-    } catch (const std::exception &failure) {
-        result = log_error(env, STP_ERROR_FORMAT, "%s: damaged: %s", path, failure.what());
-    }
+    enum stp_result result =
+        exr_guarded(env, path, [&] { return read_file(env, path, bytes, plane, &read); });
     if (result == STP_OK)
         *image = read;
     else

@@ -17,6 +17,7 @@
 _Static_assert(AXIS_BLOCK_WIDTH == STP_BLOCK && AXIS_BLOCK_HEIGHT == STP_AXIS_ROWS &&
                    MOST_PASSES + 2 <= PLAN_MAX_PASSES,
                "blocks");
+_Static_assert(STP_AXIS_REACH == KERNEL_REACH && STP_AXIS_LEAST_ALPHA == LEAST_ALPHA, "kernels");
 
 /* Of a grid's kernels, in the frame of the shaders: x right, y down, z forward. */
 static void set_shape(struct stp_plan *plan, const struct volume *volume)
@@ -115,9 +116,6 @@ enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *pl
     enum axis_shape shape = axis_shape(scene);
     if (shape == AXIS_VOXELS)
         set_shape(plan, scene->volume);
-    axis->reach2 = (float)(KERNEL_REACH * KERNEL_REACH);
-    axis->least_exponent = (float)(-0.5 * KERNEL_REACH * KERNEL_REACH / M_LN2);
-    axis->least_alpha = (float)LEAST_ALPHA;
     axis->h = (float)h;
     axis->merge = (uint32_t)(STP_AXIS_MERGE_BLEND + plan->params.axis_merge - STP_AXIS_BLEND);
     for (unsigned i = 0; i < plan->axis.walk_count; i++)
@@ -157,13 +155,36 @@ static void draw_walk(struct stp_plan *plan, unsigned index)
     plan_attaches(plan, pass, PLAN_IMAGE_AXIS_DEPTH);
 }
 
-/* A pass over the blocks' lists, by subgroups where they are a block's width. */
+/* Of 16 bytes, of a splat that is projected. */
+static unsigned projected_vectors(const struct stp_plan *plan)
+{
+    switch ((enum axis_shape)plan->constant[PLAN_AXIS_SHAPE]) {
+    case AXIS_VOXELS:
+        break;
+    case AXIS_ELLIPSOIDS:
+        return STP_ELLIPSOID_DRAWN;
+    case AXIS_DISCS:
+        return plan->constant[PLAN_PHONG] == 2 ? STP_GAUSSIAN_CLIPPED : STP_GAUSSIAN;
+    }
+    return 2;
+}
+
+/* Lists and projected splats are fetched as texels, where there may be as many. */
+static bool is_fetched(const struct stp_plan *plan)
+{
+    return plan->path == STP_PATH_COMPUTE &&
+           (plan->limits.features & STP_FEATURE_TEXEL_BUFFERS) != 0 &&
+           plan->axis_blocks.count <= PLAN_MOST_TEXELS &&
+           plan->facts.splats * projected_vectors(plan) <= PLAN_MOST_TEXELS;
+}
+
+/* A pass over the blocks' lists. */
 static struct plan_pass *block_pass(struct stp_plan *plan, enum plan_shader shader,
                                     const char *name)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
     uint64_t blocks = plan_pixels(plan) / (STP_BLOCK * STP_AXIS_ROWS);
-    pass->shader = shader + ((plan->limits.features & STP_FEATURE_SUBGROUP_8) != 0);
+    pass->shader = shader + is_fetched(plan);
     pass->groups = (uint32_t)(blocks / (STP_GROUP / STP_BLOCK)) + 1;
     plan_reads(plan, pass, PLAN_PROJECTED);
     plan_reads(plan, pass, PLAN_ORDER);
@@ -186,13 +207,13 @@ static void block_walk(struct stp_plan *plan, unsigned index)
 static void project(struct stp_plan *plan)
 {
     uint64_t kernels = plan->facts.splats;
-    bool ellipsoids = plan->constant[PLAN_AXIS_SHAPE] == AXIS_ELLIPSOIDS;
+    uint8_t projected = plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT,
+                                      kernels * projected_vectors(plan) * 16);
+    plan->resource[projected].format = is_fetched(plan) ? PLAN_TEXELS_RGBA32UI : PLAN_BUFFER;
     if (plan->constant[PLAN_AXIS_SHAPE] == AXIS_DISCS) {
         plan_axis_surface_project(plan);
         return;
     }
-    plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT,
-                  kernels * (ellipsoids ? STP_ELLIPSOID_DRAWN : 2) * 16);
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "project");
     pass->shader = PLAN_SHADER_AXIS_PROJECT;
     pass->groups = (uint32_t)((kernels + STP_GROUP - 1) / STP_GROUP);
@@ -262,9 +283,10 @@ void plan_axis_resources(struct stp_plan *plan)
                       plan->facts.splats * (ellipsoids ? STP_ELLIPSOID : 2) * 16);
     if (plan->path == STP_PATH_COMPUTE)
         plan_resource(plan, "block starts", PLAN_COUNTS, PLAN_SCENE, (lists + 1) * 4);
-    plan_resource(plan, plan->path == STP_PATH_COMPUTE ? "block splats" : "lists", PLAN_ORDER,
-                  PLAN_SCENE,
-                  4 * (plan->path == STP_PATH_COMPUTE ? blocks->count : plan->axis.count));
+    bool by_compute = plan->path == STP_PATH_COMPUTE;
+    uint8_t order = plan_resource(plan, by_compute ? "block splats" : "lists", PLAN_ORDER,
+                                  PLAN_SCENE, 4 * (by_compute ? blocks->count : plan->axis.count));
+    plan->resource[order].format = is_fetched(plan) ? PLAN_TEXELS_R32UI : PLAN_BUFFER;
 }
 
 void plan_axis(struct stp_plan *plan)

@@ -26,8 +26,6 @@ enum stp_result plan_check_axis_surface(const struct stp_env *env, const struct 
 void plan_axis_surface_project(struct stp_plan *plan)
 {
     uint64_t splats = plan->facts.splats;
-    unsigned vectors = plan->constant[PLAN_PHONG] == 2 ? STP_GAUSSIAN_CLIPPED : STP_GAUSSIAN;
-    plan_resource(plan, "projected", PLAN_PROJECTED, PLAN_TRANSIENT, splats * vectors * 16);
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "project");
     pass->shader = PLAN_SHADER_AXIS_SURFACE;
     pass->groups = (uint32_t)((splats + STP_GROUP - 1) / STP_GROUP);

@@ -17,8 +17,6 @@ const char *stp_feature_name(enum stp_feature feature)
         return "storage-formats";
     case STP_FEATURE_SHARED_MEMORY:
         return "shared-memory";
-    case STP_FEATURE_SUBGROUP_8:
-        return "subgroup-8";
     case STP_FEATURE_TEXEL_BUFFERS:
         return "texel-buffers";
     case STP_FEATURE_INDEPENDENT_BLEND:

@@ -58,6 +58,8 @@ enum plan_slot {
     PLAN_IMAGE_AXIS_DEPTH,
     PLAN_TEXEL_KEYS, /* the words of PLAN_KEYS again, where its format is of texels */
     PLAN_TEXEL_SLOT_IDS,
+    PLAN_TEXEL_PROJECTED, /* and those of PLAN_PROJECTED and PLAN_ORDER */
+    PLAN_TEXEL_ORDER,
     PLAN_SLOTS
 };
 

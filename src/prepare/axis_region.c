@@ -292,11 +292,13 @@ static struct approach approach(const struct axis_view *view, const double centr
 bool axis_nearly_meets(const struct axis_view *view, const double centre[3], double peak, double px,
                        double py)
 {
+    const double rim = 0.0111; /* below exp(-4.5), at the reach */
     struct approach n = approach(view, centre, axis_ray(&view->rays, px, py), px, py);
     /* At least half of the integral is seen, exp(-m2 / 2) >= 1 - m2 / 2, and 1 - exp(-x) is at
      * least x (1 - x / 2). */
-    return n.m2 <= 1 && n.peak >= view->camera->near_depth && n.peak <= view->camera->far_depth &&
-           0.5 * peak * (1 - 0.5 * n.m2) >= 1.001 * LEAST_ALPHA;
+    return n.m2 <= KERNEL_REACH * KERNEL_REACH && n.peak >= view->camera->near_depth &&
+           n.peak <= view->camera->far_depth &&
+           0.5 * peak * fmax(1 - 0.5 * n.m2, rim) >= 1.001 * LEAST_ALPHA;
 }
 
 bool axis_hits(const struct axis_kernel *kernel, double tau, double px, double py)

@@ -80,8 +80,8 @@ bool axis_pixels(const struct axis_kernel *kernel, struct axis_rectangle *rectan
  * disc unused. */
 bool axis_hits(const struct axis_kernel *kernel, double tau, double px, double py);
 
-/* Certain of a fragment there, without its exact opacity: the ray passes within a deviation of the
- * centre, and what its greatest optical depth there is at least, `peak`, leaves a margin. */
+/* Certain of a voxel's fragment there, without its exact opacity: the ray passes within its reach,
+ * and what its optical depth through the centre is at least, `peak`, leaves a margin. */
 bool axis_nearly_meets(const struct axis_view *view, const double centre[3], double peak, double px,
                        double py);
 

@@ -52,6 +52,14 @@ static void open_range(void *context, size_t begin, size_t end, unsigned worker)
     }
 }
 
+static bool hits(const struct sifting *s, const struct axis_kernel *kernel, double tau, double x,
+                 double y)
+{
+    return (s->view.shape == AXIS_VOXELS &&
+            axis_nearly_meets(&s->view, kernel->centre, tau * s->least_peak, x, y)) ||
+           axis_hits(kernel, tau, x, y);
+}
+
 /* Has the kernel a fragment in the region? */
 static bool draws(const struct sifting *s, unsigned w, const struct axis_rectangle *r,
                   const struct axis_kernel *kernel, double tau)
@@ -62,7 +70,7 @@ static bool draws(const struct sifting *s, unsigned w, const struct axis_rectang
         for (int64_t px = r->x0; px <= r->x1; px++) {
             double x = (double)px + 0.5, y = (double)py + 0.5;
             if ((s->everywhere || axis_region_holds(&s->region[w], x, y)) &&
-                axis_hits(kernel, tau, x, y))
+                hits(s, kernel, tau, x, y))
                 return true;
         }
     return false;
@@ -89,9 +97,7 @@ static unsigned walks_of(const struct sifting *s, const struct axis_rectangle *r
     double x = (double)((r->x0 + r->x1) / 2) + 0.5, y = (double)((r->y0 + r->y1) / 2) + 0.5;
     unsigned open, whole, drawn = 0;
     find_blocks(s, r, &open, &whole);
-    bool near = open && s->view.shape == AXIS_VOXELS &&
-                axis_nearly_meets(&s->view, kernel->centre, tau * s->least_peak, x, y);
-    if (near || (open && axis_hits(kernel, tau, x, y)))
+    if (open && hits(s, kernel, tau, x, y))
         drawn = whole;
     for (unsigned w = 0, rest = open & ~drawn; rest >> w; w++)
         if (rest >> w & 1)

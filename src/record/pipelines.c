@@ -22,16 +22,32 @@ struct keyed {
     uint8_t maker[PLAN_MAX_PASSES]; /* the first pass that is alike; its pipeline is all theirs */
 };
 
+/* A buffer with an address, where it is fetched as texels too. */
+static uint8_t find_texels(const struct stp_plan *plan, enum plan_slot slot)
+{
+    uint8_t found = plan_find(plan, slot);
+    bool fetched = found != PLAN_NONE && pass_is_texels(plan->resource[found].format);
+    return fetched ? found : PLAN_NONE;
+}
+
 /* Slots have an address, and may be fetched as texels besides. Where they have no ids the slots
  * themselves stand at that binding: shaders name it, but fetch nothing. */
 static uint8_t find_bound(const struct stp_plan *plan, uint32_t slot)
 {
-    if (slot != PLAN_TEXEL_KEYS && slot != PLAN_TEXEL_SLOT_IDS)
+    switch (slot) {
+    case PLAN_TEXEL_KEYS:
+        return find_texels(plan, PLAN_KEYS);
+    case PLAN_TEXEL_SLOT_IDS: {
+        uint8_t ids = find_texels(plan, PLAN_SLOT_IDS);
+        return ids != PLAN_NONE ? ids : find_texels(plan, PLAN_KEYS);
+    }
+    case PLAN_TEXEL_PROJECTED:
+        return find_texels(plan, PLAN_PROJECTED);
+    case PLAN_TEXEL_ORDER:
+        return find_texels(plan, PLAN_ORDER);
+    default:
         return plan_find(plan, slot);
-    uint8_t keys = plan_find(plan, PLAN_KEYS), ids = plan_find(plan, PLAN_SLOT_IDS);
-    if (keys == PLAN_NONE || !pass_is_texels(plan->resource[keys].format))
-        return PLAN_NONE;
-    return slot == PLAN_TEXEL_SLOT_IDS && ids != PLAN_NONE ? ids : keys;
+    }
 }
 
 struct record_bindings record_bindings(const struct stp_plan *plan)

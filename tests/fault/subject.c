@@ -73,7 +73,8 @@ void subject_open(struct subject *s, const struct stp_scene *scene, const struct
     struct stp_context_params params = { 0 };
     struct stp_camera camera = hard_view(0, WIDTH, HEIGHT);
     struct stp_render_params render_params = way->params;
-    render_params.aovs = STP_AOV_ID | STP_AOV_ALBEDO;
+    if (way->params.method != STP_METHOD_AXIS) /* which has neither */
+        render_params.aovs = STP_AOV_ID | STP_AOV_ALBEDO;
     *s = (struct subject){
         .fault = find_faults(), .scene = scene, .what = way->name, .repeat = repeat
     };

@@ -180,7 +180,8 @@ static void expect_quiet(struct host *h, const struct stp_scene *scene, const st
 
 static bool is_hosted(const struct way *way)
 {
-    return way->params.method != STP_METHOD_REFERENCE && way->params.method != STP_METHOD_PYRAMID;
+    return way->params.method != STP_METHOD_REFERENCE && way->params.method != STP_METHOD_PYRAMID &&
+           way->params.method != STP_METHOD_AXIS;
 }
 
 static void test_recording(void **state)

@@ -5,6 +5,7 @@
 
 #include "base/memory.h"
 #include "pass/ellipses.h"
+#include "ranges.h"
 
 /* What a caller gets for the VkResult. */
 static enum stp_result wanted(VkResult result)
@@ -157,6 +158,23 @@ static void test_ellipses(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* Volumes and range images have kernels and lists of their own, made again for every frame. */
+static void test_media(void **state)
+{
+    static const struct way lists = { "axis lists",
+                                      { .method = STP_METHOD_AXIS, .path = STP_PATH_COMPUTE } };
+    struct range range = random_range(5, 2, 4, 0.05);
+    struct stp_scene *scenes[] = {
+        block_scene((uint32_t[]){ 3, 2, 3 }, (double[]){ 0.3, 0.3, 0.3 }, 0.5),
+        range_scene(&range),
+    };
+    for (int i = 0; i < 2; i++) {
+        fail_every_call(scenes[i], &lists, true, 1);
+        fail_every_allocation(scenes[i], &lists);
+        stp_scene_destroy(&scenes[i]);
+    }
+}
+
 /* The picture does not depend on whether the host sees the device's memory. */
 static void test_same_picture_out_of_sight(void **state)
 {
@@ -186,6 +204,7 @@ static const struct CMUnitTest more[] = {
     cmocka_unit_test(test_once),
     cmocka_unit_test(test_out_of_sight),
     cmocka_unit_test(test_ellipses),
+    cmocka_unit_test(test_media),
     cmocka_unit_test(test_same_picture_out_of_sight),
 };
 

@@ -17,6 +17,8 @@ static const struct way {
     { "deferred by compute", { .method = STP_METHOD_DEFERRED, .path = STP_PATH_COMPUTE } },
     { "deferred by raster", { .method = STP_METHOD_DEFERRED, .path = STP_PATH_RASTER } },
     { "pyramid", { .method = STP_METHOD_PYRAMID, .cull = STP_CULL_BACK } },
+    { "axis by compute", { .method = STP_METHOD_AXIS, .path = STP_PATH_COMPUTE } },
+    { "axis by raster", { .method = STP_METHOD_AXIS, .path = STP_PATH_RASTER } },
     { "reference", { .method = STP_METHOD_REFERENCE } },
 };
 #define WAYS (sizeof ways / sizeof *ways)

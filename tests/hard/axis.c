@@ -37,7 +37,7 @@ static struct stp_camera odd_camera(const struct hard_options *o, bool flat)
 }
 
 /* From `eye`, and from a place that is turned off by TURN. */
-static void from(const struct hard_options *o, struct hard_scene *s, struct vec3 eye, bool flat)
+void hard_axis_from(const struct hard_options *o, struct hard_scene *s, struct vec3 eye, bool flat)
 {
     struct vec3 aside = v3_scale(v3_cross(eye, v3_unit(v3(0.2, 1, 0.1))), TURN);
     s->camera = s->twin_camera = odd_camera(o, flat);
@@ -49,30 +49,30 @@ static void from(const struct hard_options *o, struct hard_scene *s, struct vec3
 static void two_axes(const struct hard_options *o, struct hard_scene *s)
 {
     block(o, s);
-    from(o, s, v3(2.6, 0, 2.6), false);
+    hard_axis_from(o, s, v3(2.6, 0, 2.6), false);
 }
 
 static void three_axes(const struct hard_options *o, struct hard_scene *s)
 {
     block(o, s);
-    from(o, s, v3(2.2, -2.2, 2.2), false);
+    hard_axis_from(o, s, v3(2.2, -2.2, 2.2), false);
 }
 
 static void two_axes_everywhere(const struct hard_options *o, struct hard_scene *s)
 {
     block(o, s);
-    from(o, s, v3(-3, 1, 3), true);
+    hard_axis_from(o, s, v3(-3, 1, 3), true);
 }
 
 static void three_axes_everywhere(const struct hard_options *o, struct hard_scene *s)
 {
     block(o, s);
-    from(o, s, v3(3, 3, 3), true);
+    hard_axis_from(o, s, v3(3, 3, 3), true);
 }
 
 /* ---- lists */
 
-static void look(const struct hard_options *o, struct hard_scene *s, double h)
+void hard_axis_look(const struct hard_options *o, struct hard_scene *s, double h)
 {
     s->camera = odd_camera(o, false);
     look_at(&s->camera, v3_scale(hard_towards_eye(o), 3.6), v3(0, 0, 0));
@@ -82,38 +82,53 @@ static void look(const struct hard_options *o, struct hard_scene *s, double h)
 static void all_share(const struct hard_options *o, struct hard_scene *s)
 {
     block(o, s);
-    look(o, s, -1);
+    hard_axis_look(o, s, -1);
     s->truth[1] = 3;
 }
 
 static void hardly_any_share(const struct hard_options *o, struct hard_scene *s)
 {
     block(o, s);
-    look(o, s, 0.99);
+    hard_axis_look(o, s, 0.99);
 }
 
-static void six_walks(const struct hard_options *o, struct hard_scene *s)
+void hard_axis_wide(const struct hard_options *o, struct hard_scene *s)
 {
-    block(o, s);
     s->camera = odd_camera(o, false);
     s->camera.fx = s->camera.fy = s->camera.height / 2.0 / tan(85 * M_PI / 180);
     look_at(&s->camera, v3(0.01, 0.02, 0.03), v3(1, 1, 1));
     s->truth[1] = 6;
 }
 
-static void inside(const struct hard_options *o, struct hard_scene *s)
+static void six_walks(const struct hard_options *o, struct hard_scene *s)
 {
     block(o, s);
+    hard_axis_wide(o, s);
+}
+
+void hard_axis_inside(const struct hard_options *o, struct hard_scene *s)
+{
     s->camera = odd_camera(o, false);
     look_at(&s->camera, v3_scale(hard_towards_eye(o), 0.3), v3(0, 0, 0));
     s->camera.near_depth = 0.05;
 }
 
+static void inside(const struct hard_options *o, struct hard_scene *s)
+{
+    block(o, s);
+    hard_axis_inside(o, s);
+}
+
+void hard_axis_flat(const struct hard_options *o, struct hard_scene *s)
+{
+    s->camera = odd_camera(o, true);
+    look_at(&s->camera, v3_scale(hard_towards_eye(o), 3.6), v3(0, 0, 0));
+}
+
 static void orthographic(const struct hard_options *o, struct hard_scene *s)
 {
     block(o, s);
-    s->camera = odd_camera(o, true);
-    look_at(&s->camera, v3_scale(hard_towards_eye(o), 3.6), v3(0, 0, 0));
+    hard_axis_flat(o, s);
 }
 
 /* ---- kernels */
@@ -121,26 +136,26 @@ static void orthographic(const struct hard_options *o, struct hard_scene *s)
 static void tall(const struct hard_options *o, struct hard_scene *s)
 {
     volume(o, s, (const uint32_t[]){ 13, 13, 3 }, (const double[]){ 0.06, 0.0613, 0.6 }, 0.01, 0.6);
-    look(o, s, 0);
+    hard_axis_look(o, s, 0);
 }
 
 static void opaque(const struct hard_options *o, struct hard_scene *s)
 {
     volume(o, s, (const uint32_t[]){ 9, 9, 9 }, even, 1, 1);
-    look(o, s, 0);
+    hard_axis_look(o, s, 0);
 }
 
 static void one_voxel(const struct hard_options *o, struct hard_scene *s)
 {
     volume(o, s, (const uint32_t[]){ 1, 1, 1 }, (const double[]){ 0.6, 0.6, 0.6 }, 0.7, 0.7);
-    look(o, s, 0);
+    hard_axis_look(o, s, 0);
 }
 
 /* Sheets of a millionth of their kernels' length. */
 static void a_million_to_one(const struct hard_options *o, struct hard_scene *s)
 {
     volume(o, s, (const uint32_t[]){ 4, 4, 2 }, (const double[]){ 5e-7, 0.5, 0.53 }, 0.1, 0.6);
-    look(o, s, 0);
+    hard_axis_look(o, s, 0);
 }
 
 #define BORDER                                                                                     \

@@ -25,7 +25,7 @@ AXIS = ("| case, and what must come out | | blend | clip | single | sort | of it
         "|---|---|---:|---:|---:|---:|---:|\n")
 PYRAMID = ("| case | is | | covered | lost | empty | wider | behind | dB | twin |\n"
            "|---|---|---|---:|---:|---:|---:|---:|---:|---|\n")
-HEADS = {"breaks": BREAK, "samples": SAMPLES, "layers": LAYERS, "axis": AXIS, "pyramid": PYRAMID}
+HEADS = {"breaks": BREAK, "samples": SAMPLES, "layers": LAYERS, "axis": AXIS, "axis_surface": AXIS, "pyramid": PYRAMID}
 
 
 def rows(program, family):

@@ -2,9 +2,10 @@
 #include "hard.h"
 
 static const struct hard_family *const families[] = {
-    &hard_coordinates, &hard_views,    &hard_splats,   &hard_normals, &hard_crowds, &hard_sheets,
-    &hard_colors,      &hard_pictures, &hard_bits,     &hard_devices, &hard_breaks, &hard_samples,
-    &hard_layers,      &hard_axis,     &hard_ellipses, &hard_phong,   &hard_fits,   &hard_fits_flat,
+    &hard_coordinates, &hard_views,   &hard_splats,   &hard_normals,   &hard_crowds,
+    &hard_sheets,      &hard_colors,  &hard_pictures, &hard_bits,      &hard_devices,
+    &hard_breaks,      &hard_samples, &hard_layers,   &hard_axis,      &hard_axis_surface,
+    &hard_ellipses,    &hard_phong,   &hard_fits,     &hard_fits_flat,
 };
 #define FAMILIES (sizeof families / sizeof *families)
 
@@ -100,15 +101,15 @@ static void list_jobs(const struct hard_options *o, struct device *device, struc
 {
     for (unsigned f = 0; f < FAMILIES; f++)
         for (unsigned i = 0; i < families[f]->count; i++) {
-            bool volumes = families[f] == &hard_axis;
+            bool lists = families[f] == &hard_axis || families[f] == &hard_axis_surface;
             bool bent = families[f] == &hard_ellipses || families[f] == &hard_phong ||
                         families[f] == &hard_fits || families[f] == &hard_fits_flat;
             struct job job = { o, device, families[f], &families[f]->cases[i],
-                               volumes ? hard_judge_axis : hard_judge };
+                               lists ? hard_judge_axis : hard_judge };
             if (wanted(o, families[f]->name, job.c))
                 add_job(jobs, &job);
             job.judge = hard_judge_pyramid;
-            if (!volumes && !bent && !job.c->run && wanted(o, "pyramid", job.c))
+            if (!lists && !bent && !job.c->run && wanted(o, "pyramid", job.c))
                 add_job(jobs, &job);
         }
 }

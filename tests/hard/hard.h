@@ -59,7 +59,8 @@ struct hard_family {
 };
 extern const struct hard_family hard_samples, hard_breaks, hard_coordinates, hard_views,
     hard_splats, hard_normals, hard_crowds, hard_sheets, hard_colors, hard_pictures, hard_bits,
-    hard_devices, hard_layers, hard_axis, hard_ellipses, hard_phong, hard_fits, hard_fits_flat;
+    hard_devices, hard_layers, hard_axis, hard_axis_surface, hard_ellipses, hard_phong, hard_fits,
+    hard_fits_flat;
 
 /* points.c: points before they are prepared. */
 struct hard_points {
@@ -172,7 +173,15 @@ bool hard_sound(const struct stp_image *image);
 /* judge_case.c: renders a case every way, judges it, and fails with every verdict that is wrong. */
 void hard_judge(const struct hard_options *o, struct device *device, const char *family,
                 const struct hard_case *c);
-/* judge_axis.c: a volume by every merge, by compute and by the rasteriser. */
+/* axis.c: views that axis lists find hard. From `eye`, in pictures of odd sizes, and, as the
+ * twin's, from a millionth of a radian aside; by perspective or not. From afar, with an h, negative
+ * for 0. 170 degrees from inside. With a near plane among what is there. Orthographic. */
+void hard_axis_from(const struct hard_options *o, struct hard_scene *s, struct vec3 eye, bool flat);
+void hard_axis_look(const struct hard_options *o, struct hard_scene *s, double h);
+void hard_axis_wide(const struct hard_options *o, struct hard_scene *s);
+void hard_axis_inside(const struct hard_options *o, struct hard_scene *s);
+void hard_axis_flat(const struct hard_options *o, struct hard_scene *s);
+/* judge_axis.c: a volume or a surface by every merge, by compute and by the rasteriser. */
 void hard_judge_axis(const struct hard_options *o, struct device *device, const char *family,
                      const struct hard_case *c);
 /* judge_pyramid.c: any case of points; transparent ones have to be refused. */

@@ -2,11 +2,13 @@
 
 #define TIE  1e-5
 #define STEP 2e-4 /* pixels */
+/* What float32 leaves of a place in a picture some hundred pixels wide: 3 x 112 x 2^-24. */
+#define MOVED 2e-5
 
-/* A kernel's place in an order: the least is the nearest; of equal ones the first voxel is. */
+/* A splat's place in an order: the least is the nearest; of equal ones the first is. */
 struct place {
     double key;
-    uint32_t kernel;
+    uint32_t id;
 };
 
 static int by_place(const void *a, const void *b)
@@ -14,96 +16,152 @@ static int by_place(const void *a, const void *b)
     const struct place *x = a, *y = b;
     if (x->key != y->key)
         return x->key < y->key ? -1 : 1;
-    return (x->kernel > y->kernel) - (x->kernel < y->kernel);
+    return (x->id > y->id) - (x->id < y->id);
 }
 
-static double key_of(const struct medium *medium, uint32_t kernel, unsigned order)
+/* Voxels of one sheet are equally far along its axis. */
+static double key_of(const struct drawn *d, uint32_t id, unsigned order)
 {
     uint32_t at[3];
-    struct vec3 c = medium_centre(medium, kernel);
-    if (order == ORDER_SORTED)
-        return medium->view->eye.orthographic ? -c.z : v3_length(c);
-    voxel_place(&medium->volume->grid, medium->volume->kernels.voxel[kernel], at);
-    return order & 1 ? -(double)at[order / 2] : at[order / 2];
+    double sign = order & 1 ? -1 : 1;
+    if (order == ORDER_SORTED) {
+        struct vec3 c = d->disc ? d->disc[id].centre : medium_centre(&d->medium, id);
+        return d->view.eye.orthographic ? -c.z : v3_length(c);
+    }
+    if (d->disc)
+        return sign * d->view.scene->splats.position[id][order / 2];
+    voxel_place(&d->medium.volume->grid, d->medium.volume->kernels.voxel[id], at);
+    return sign * at[order / 2];
 }
 
-static struct place *sort_kernels(const struct medium *medium, unsigned order)
+/* How near each splat is in each order, from 0. */
+static uint32_t *rank_splats(const struct drawn *d)
 {
-    size_t count = medium->volume->kernels.count;
-    struct place *places = malloc(count * sizeof *places);
-    assert_non_null(places);
-    for (uint32_t i = 0; i < count; i++)
-        places[i] = (struct place){ key_of(medium, i, order), i };
-    qsort(places, count, sizeof *places, by_place);
-    return places;
+    struct place *places = malloc(d->count * sizeof *places);
+    uint32_t *rank = malloc(ORDERS * d->count * sizeof *rank);
+    assert_true(places && rank);
+    for (unsigned order = 0; order < ORDERS; order++) {
+        for (uint32_t i = 0; i < d->count; i++)
+            places[i] = (struct place){ key_of(d, i, order), i };
+        qsort(places, d->count, sizeof *places, by_place);
+        for (uint32_t i = 0; i < d->count; i++)
+            rank[order * d->count + places[i].id] = i;
+    }
+    free(places);
+    return rank;
 }
 
-static bool hits(const struct medium *medium, uint32_t kernel, double px, double py,
-                 struct medium_fragment *f)
+/* A pixel's centre, and around it as far as rounding may move it. */
+#define PLACES 5
+static const double aside[PLACES][2] = {
+    { 0, 0 }, { -STEP, -STEP }, { STEP, -STEP }, { -STEP, STEP }, { STEP, STEP }
+};
+
+struct seen {
+    uint32_t rank; /* in the order that is composited */
+    uint32_t id;
+    struct drawn_fragment at[PLACES];
+};
+
+static int far_first(const void *a, const void *b)
 {
-    struct ray ray = eye_ray(&medium->view->eye, px, py);
-    f->kernel = kernel;
-    return medium_hit(medium, medium_centre(medium, kernel),
-                      (double)medium->volume->kernels.tau[kernel], &ray, f);
+    const struct seen *x = a, *y = b;
+    return (x->rank < y->rank) - (x->rank > y->rank);
 }
 
-/* Whether rounding decides if there is a fragment. */
-static bool on_an_edge(const struct medium *medium, uint32_t kernel, double px, double py)
+/* The pixel's fragments; fragile where one is there at some of the places only. */
+static size_t find_seen(const struct drawn *d, const double (*bounds)[4], uint32_t x, uint32_t y,
+                        struct seen *seen, bool *fragile)
 {
-    struct medium_fragment f;
-    bool here = hits(medium, kernel, px, py, &f);
-    for (int i = 0; i < 4; i++)
-        if (hits(medium, kernel, px + (i & 1 ? STEP : -STEP), py + (i & 2 ? STEP : -STEP), &f) !=
-            here)
-            return true;
-    return false;
+    size_t count = 0;
+    for (uint32_t id = 0; id < d->count; id++) {
+        const double *b = bounds[id];
+        struct seen *s = &seen[count];
+        unsigned hits = 0;
+        if (x + 1 < b[0] || x > b[1] || y + 1 < b[2] || y > b[3])
+            continue;
+        for (int n = 0; n < PLACES; n++)
+            hits += drawn_hit(d, id, x + 0.5 + aside[n][0], y + 0.5 + aside[n][1], &s->at[n]);
+        s->id = id;
+        count += hits == PLACES;
+        *fragile = *fragile || (hits > 0 && hits < PLACES);
+    }
+    return count;
 }
 
-static void add_kernel(struct orders *o, const struct medium *medium, unsigned order,
-                       uint32_t kernel)
+static void composite(const struct drawn *d, const struct seen *seen, size_t count, int place,
+                      double sum[5])
 {
-    const struct view *view = medium->view;
-    double b[4];
-    if (!medium_bounds(medium, kernel, medium_centre(medium, kernel), b))
-        return;
-    for (uint32_t y = (uint32_t)fmax(0, floor(b[2] - 1)); y < view->height && y < b[3] + 1; y++)
-        for (uint32_t x = (uint32_t)fmax(0, floor(b[0] - 1)); x < view->width && x < b[1] + 1;
-             x++) {
-            size_t at = (size_t)y * view->width + x;
-            struct medium_fragment f;
-            if (hits(medium, kernel, x + 0.5, y + 0.5, &f))
-                composite_over(medium, &f, o->sum[at][order]);
-            if (order == ORDER_SORTED && on_an_edge(medium, kernel, x + 0.5, y + 0.5))
-                o->fragile[at] = true;
-        }
+    memset(sum, 0, 5 * sizeof *sum);
+    for (size_t i = 0; i < count; i++)
+        drawn_over(&seen[i].at[place], sum);
+    drawn_divide(d, sum);
 }
 
-struct orders orders_make(const struct stp_scene *scene, const struct stp_camera *camera)
+/* How far the places around the centre are from it. */
+static double slope_of(const struct drawn *d, const struct seen *seen, size_t count,
+                       const double sum[5])
 {
-    struct view view = { .scene = scene,
-                         .width = camera->width,
-                         .height = camera->height,
-                         .grid = 1,
-                         .two_sided = true };
+    double most = 0, one[5];
+    for (int place = 1; place < PLACES; place++) {
+        composite(d, seen, count, place, one);
+        for (int n = 0; n < 5; n++)
+            most = fmax(most, fabs(one[n] - sum[n]));
+    }
+    return most;
+}
+
+static void make_pixel(struct orders *o, const struct drawn *d, const double (*bounds)[4],
+                       const uint32_t *rank, struct seen *seen, size_t at)
+{
+    uint32_t x = (uint32_t)(at % d->view.width), y = (uint32_t)(at / d->view.width);
+    size_t count = find_seen(d, bounds, x, y, seen, &o->fragile[at]);
+    for (unsigned order = 0; order < ORDERS; order++) {
+        for (size_t i = 0; i < count; i++)
+            seen[i].rank = rank[order * d->count + seen[i].id];
+        qsort(seen, count, sizeof *seen, far_first);
+        composite(d, seen, count, 0, o->sum[at][order]);
+        if (d->disc)
+            o->slope[at] =
+                fmax(o->slope[at], MOVED / STEP * slope_of(d, seen, count, o->sum[at][order]));
+    }
+}
+
+static void make_pixels(struct orders *o, const struct drawn *d)
+{
+    double(*bounds)[4] = malloc(d->count * sizeof *bounds);
+    struct seen *seen = malloc(d->count * sizeof *seen);
+    uint32_t *rank = rank_splats(d);
+    static const double nowhere[4] = { 1, 0, 1, 0 };
+    assert_true(bounds && seen);
+    for (uint32_t i = 0; i < d->count; i++)
+        if (!drawn_bounds(d, i, bounds[i]))
+            memcpy(bounds[i], nowhere, sizeof nowhere);
+    for (size_t at = 0; at < o->pixels; at++)
+        make_pixel(o, d, (const double(*)[4])bounds, rank, seen, at);
+    free(bounds);
+    free(seen);
+    free(rank);
+}
+
+struct orders orders_make(const struct stp_scene *scene, const struct stp_camera *camera,
+                          const struct stp_render_params *params)
+{
     struct orders o = { .pixels = (size_t)camera->width * camera->height };
-    struct medium medium;
-    eye_init(&view.eye, camera, scene->splats.origin);
-    assert_int_equal(medium_init(NULL, &view, &medium), STP_OK);
+    struct drawn d;
+    drawn_make(scene, camera, params, &d);
     o.sum = calloc(o.pixels, sizeof *o.sum);
     o.ray = calloc(o.pixels, sizeof *o.ray);
+    o.slope = calloc(o.pixels, sizeof *o.slope);
     o.fragile = calloc(o.pixels, sizeof *o.fragile);
-    assert_true(o.sum && o.ray && o.fragile);
-    o.forward = eye_direction_to_world(&view.eye, v3(0, 0, -1));
+    assert_true(o.sum && o.ray && o.slope && o.fragile);
+    o.forward = eye_direction_to_world(&d.view.eye, v3(0, 0, -1));
     for (size_t i = 0; i < o.pixels; i++)
         o.ray[i] = eye_direction_to_world(
-            &view.eye, eye_ray(&view.eye, i % view.width + 0.5, i / view.width + 0.5).along);
-    for (unsigned order = 0; order < ORDERS; order++) {
-        struct place *places = sort_kernels(&medium, order);
-        for (size_t i = scene->volume->kernels.count; i-- > 0;)
-            add_kernel(&o, &medium, order, places[i].kernel);
-        free(places);
-    }
-    medium_release(&medium);
+            &d.view.eye,
+            eye_ray(&d.view.eye, i % camera->width + 0.5, i / camera->width + 0.5).along);
+    make_pixels(&o, &d);
+    drawn_release(&d);
     return o;
 }
 
@@ -111,6 +169,7 @@ void orders_release(struct orders *o)
 {
     free(o->sum);
     free(o->ray);
+    free(o->slope);
     free(o->fragile);
     *o = (struct orders){ 0 };
 }
@@ -140,7 +199,8 @@ static void blend(const double sum[ORDERS][5], struct vec3 v, double h, double o
         out[n] /= weights;
 }
 
-static double distance(const struct stp_image *image, size_t at, const double right[5])
+static double distance(const struct orders *o, const struct stp_image *image, size_t at,
+                       const double right[5])
 {
     static const char *const names[] = { "R", "G", "B", "A" };
     double z = stp_image_find(image, "Z")->data.f[at], worst = 0;
@@ -150,18 +210,17 @@ static double distance(const struct stp_image *image, size_t at, const double ri
         return INFINITY;
     if (isfinite(z))
         worst = fmax(worst, fabs(z * right[3] - right[4]) / fmax(1, z));
-    return worst;
+    return fmax(0, worst - o->slope[at]);
 }
 
 /* The nearest of the orders of all axes that v may have as its dominant one. */
-static double nearest_order(const double sum[ORDERS][5], struct vec3 v,
-                            const struct stp_image *image, size_t at)
+static double nearest_order(const struct orders *o, const struct stp_image *image, size_t at)
 {
     double best = INFINITY, share;
     for (unsigned axis = 0; axis < 3; axis++) {
-        unsigned order = order_along(v, axis, &share);
+        unsigned order = order_along(o->ray[at], axis, &share);
         if (share >= 1 - TIE)
-            best = fmin(best, distance(image, at, sum[order]));
+            best = fmin(best, distance(o, image, at, o->sum[at][order]));
     }
     return best;
 }
@@ -171,11 +230,11 @@ static double pixel_error(const struct orders *o, const struct stp_image *image,
 {
     double right[5];
     if (merge == STP_AXIS_SORT)
-        return distance(image, at, o->sum[at][ORDER_SORTED]);
+        return distance(o, image, at, o->sum[at][ORDER_SORTED]);
     if (merge == STP_AXIS_CLIP)
-        return nearest_order(o->sum[at], o->ray[at], image, at);
+        return nearest_order(o, image, at);
     blend(o->sum[at], o->ray[at], h, right);
-    return distance(image, at, right);
+    return distance(o, image, at, right);
 }
 
 static double single_error(const struct orders *o, const struct stp_image *image)
@@ -186,7 +245,7 @@ static double single_error(const struct orders *o, const struct stp_image *image
         double worst = 0;
         for (size_t i = 0; i < o->pixels; i++)
             if (!o->fragile[i])
-                worst = fmax(worst, distance(image, i, o->sum[i][order]));
+                worst = fmax(worst, distance(o, image, i, o->sum[i][order]));
         if (share >= 1 - TIE)
             best = fmin(best, worst);
     }

@@ -1,117 +1,9 @@
 /* Surfaces by the axis method against the same order composited in float64 by the reference's
  * splats, in every hard view; and against every ray's own order. */
+#include "drawn.h"
 #include "ellipses.h"
 
-#include "base/memory.h"
-#include "prepare/axis_lists.h"
-#include "reference/surface.h"
-
 enum { W = 48, H = 40 };
-
-/* A surface as lists see it. */
-struct judge {
-    const struct stp_scene *scene;
-    struct view view;
-    struct axis_lists lists;
-    struct disc *disc; /* of every splat; radius 0: not drawn */
-};
-
-static struct judge judge_of(const struct stp_scene *scene, const struct stp_camera *camera,
-                             const struct stp_render_params *params, double h)
-{
-    struct judge j = { .scene = scene, .view = reference_view(scene, camera, params) };
-    j.lists = (struct axis_lists){ .merge = params->axis_merge,
-                                   .h = h,
-                                   .look = { j.view.cull_back, j.view.min_splat } };
-    assert_int_equal(axis_lists_update(NULL, scene, camera, &j.lists), STP_OK);
-    j.disc = calloc(scene->splats.count, sizeof *j.disc);
-    assert_non_null(j.disc);
-    for (size_t i = 0; i < scene->splats.count; i++)
-        if (!disc_setup(&j.view, i, &j.disc[i]))
-            j.disc[i].radius = 0;
-    return j;
-}
-
-static void judge_release(struct judge *j)
-{
-    axis_lists_release(&j->lists);
-    free(j->disc);
-}
-
-static bool meets(const struct judge *j, uint32_t id, double px, double py, double *alpha,
-                  double *depth)
-{
-    struct fragment f;
-    struct ray ray = eye_ray(&j->view.eye, px, py);
-    if (!(j->disc[id].radius > 0) || !disc_hit(&j->disc[id], &j->view.eye, &ray, px, py, &f))
-        return false;
-    *alpha = splat_opacity(&j->view, id) * exp(-2 * f.rho2);
-    *depth = f.depth;
-    return *alpha >= 1e-4;
-}
-
-static struct vec3 light_of(const struct judge *j, uint32_t id)
-{
-    const struct fragment centre = { .s = 0, .t = 0 };
-    struct surface lit = { .normal = fragment_normal(&j->disc[id], &centre),
-                           .point = j->disc[id].centre,
-                           .albedo = splat_albedo(&j->view, id),
-                           .id = id };
-    return surface_shade(&j->view, &lit);
-}
-
-/* One walk's colour, alpha and premultiplied depth, from the far end of its list; false where an
- * outline or a cut passes so near to the pixel's centre that float32 may fall on either side. */
-static bool walk_pixel(const struct judge *j, const struct axis_walk *walk, uint32_t x, uint32_t y,
-                       double sum[5])
-{
-    const double near = 2e-3;
-    memset(sum, 0, 5 * sizeof *sum);
-    for (uint32_t i = 0; i < walk->count; i++) {
-        uint32_t id = j->lists.order[walk->first + i];
-        double a, depth, unused[2];
-        bool hit = meets(j, id, x + 0.5, y + 0.5, &a, &depth);
-        for (int n = 0; n < 4; n++)
-            if (meets(j, id, x + 0.5 + (n % 2 ? near : -near), y + 0.5 + (n / 2 ? near : -near),
-                      &unused[0], &unused[1]) != hit)
-                return false;
-        if (!hit)
-            continue;
-        struct vec3 c = light_of(j, id);
-        const double own[5] = { c.x, c.y, c.z, 1, depth };
-        for (int n = 0; n < 5; n++)
-            sum[n] = a * own[n] + (1 - a) * sum[n];
-    }
-    return true;
-}
-
-/* Eq. 1 with the weights of the pixel's ray; then the division. */
-static bool expect_pixel(const struct judge *j, const struct stp_image *image, uint32_t x,
-                         uint32_t y)
-{
-    struct ray ray = eye_ray(&j->view.eye, x + 0.5, y + 0.5);
-    struct vec3 v = eye_direction_to_world(&j->view.eye, ray.along);
-    double sum[5] = { 0 }, weights = 0, one[5];
-    for (unsigned w = 0; w < j->lists.walk_count; w++) {
-        double weight = pow(axis_weight(&j->lists, &j->lists.walk[w], v), 2);
-        if (!walk_pixel(j, &j->lists.walk[w], x, y, one))
-            return false;
-        weights += weight;
-        for (int n = 0; n < 5; n++)
-            sum[n] += weight * one[n];
-    }
-    double alpha = weights > 0 ? sum[3] / weights : 0;
-    double scale = alpha > 0 && !j->scene->facts.transparent ? fmin(1, 2 * alpha) / alpha : 1;
-    static const char *const names[] = { "R", "G", "B", "A" };
-    for (int n = 0; n < 4; n++)
-        close_to((double)value(image, names[n], x, y), weights > 0 ? sum[n] / weights * scale : 0,
-                 2e-3);
-    double z = (double)value(image, "Z", x, y);
-    if (alpha > 1e-2)
-        close_to(z, sum[4] / sum[3], 2e-3 * fmax(1, fabs(sum[4] / sum[3])));
-    assert_true(isfinite(z) == (value(image, "A", x, y) > 0));
-    return true;
-}
 
 static void expect_lists_order(struct device *device, const struct stp_scene *scene,
                                const struct stp_camera *camera, struct stp_render_params params,
@@ -120,16 +12,25 @@ static void expect_lists_order(struct device *device, const struct stp_scene *sc
     params.method = STP_METHOD_AXIS;
     params.axis_h = h == 0 ? -1 : h;
     struct stp_image *image = device_render(device, scene, camera, &params);
-    struct judge j = judge_of(scene, camera, &params, h);
+    struct axis_lists lists = { .merge = params.axis_merge, .h = h };
+    struct drawn drawn;
     size_t asked = 0, clear = 0;
+    drawn_make(scene, camera, &params, &drawn);
+    lists.look = (struct axis_look){ drawn.view.cull_back, drawn.view.min_splat };
+    assert_int_equal(axis_lists_update(NULL, scene, camera, &lists), STP_OK);
     for (uint32_t y = 1; y < H; y += 3)
         for (uint32_t x = 2; x < W; x += 4) {
+            double sum[5];
             asked++;
-            clear += expect_pixel(&j, image, x, y);
+            if (!drawn_merge(&drawn, &lists, x, y, 2e-3, sum))
+                continue;
+            clear++;
+            drawn_expect(sum, image, x, y, 2e-3, 2e-2, 2e-3);
         }
     if (clear < asked / 2)
         fail_msg("%zu of %zu pixels could be judged", clear, asked);
-    judge_release(&j);
+    axis_lists_release(&lists);
+    drawn_release(&drawn);
     stp_image_destroy(&image);
 }
 
@@ -227,7 +128,7 @@ static void near_every_rays_order(void **state)
     stp_scene_destroy(&scene);
 }
 
-/* Tiles show the same bits, with and without subgroups nearly so; a background lies behind, and
+/* Tiles show the same bits, with and without texels; a background lies behind, and
  * behind the eye dome too. */
 static void tiles_and_background(void **state)
 {
@@ -249,20 +150,20 @@ static void tiles_and_background(void **state)
         stp_plan_destroy(&plan);
         expect_same_bits(whole, tiled, "tiles");
         params.memory_limit = 0;
-        params.mask_features = STP_FEATURE_SUBGROUP_8;
-        struct stp_image *without = device_render(&device, scene, &camera, &params);
+        params.mask_features = STP_FEATURE_TEXEL_BUFFERS;
+        struct stp_image *addressed = device_render(&device, scene, &camera, &params);
+        expect_same_bits(whole, addressed, "no texels");
+        stp_image_destroy(&addressed);
         params.background = background;
         struct stp_image *behind = device_render(&device, scene, &camera, &params);
         for (uint32_t i = 0; i < W * H; i++) {
             uint32_t x = i % W, y = i / W;
             double a = (double)value(whole, "A", x, y), c = (double)value(whole, "G", x, y);
-            close_to((double)value(without, "G", x, y), c, 3e-6);
             close_to((double)value(behind, "G", x, y), c + (1 - a) * 0.5 * 0.4, 3e-6);
             close_to((double)value(behind, "A", x, y), a + (1 - a) * 0.5, 3e-6);
         }
         stp_image_destroy(&whole);
         stp_image_destroy(&tiled);
-        stp_image_destroy(&without);
         stp_image_destroy(&behind);
     }
     device_close(&device);

@@ -1,55 +1,9 @@
 /* Ellipsoids of range images by both paths, against the lists' order composited in float64, in
  * every hard view, and against the exact order. */
+#include "drawn.h"
 #include "ranges.h"
 
-#include "device.h"
-#include "reference/range.h"
-
 enum { W = 48, H = 40 };
-
-/* One walk's colour and premultiplied depth on a ray, from the far end of its list. */
-static void walk_pixel(const struct medium *medium, const uint32_t *order, uint32_t count,
-                       const struct ray *ray, double sum[5])
-{
-    memset(sum, 0, 5 * sizeof *sum);
-    for (uint32_t i = 0; i < count; i++) {
-        struct medium_fragment f;
-        if (!ellipsoid_hit(medium, order[i], medium_centre(medium, order[i]), medium->tau[order[i]],
-                           ray, &f))
-            continue;
-        const double *c = medium->shaded[order[i]];
-        const double own[5] = { c[0], c[1], c[2], 1, f.depth };
-        for (int n = 0; n < 5; n++)
-            sum[n] = f.alpha * own[n] + (1 - f.alpha) * sum[n];
-    }
-}
-
-/* Eq. 1 with the weights of the pixel's ray, then the surface's normalisation. */
-static void expect_pixel(const struct medium *medium, const struct axis_lists *lists,
-                         const struct stp_image *image, uint32_t x, uint32_t y)
-{
-    struct ray ray = eye_ray(&medium->view->eye, x + 0.5, y + 0.5);
-    struct vec3 v = eye_direction_to_world(&medium->view->eye, ray.along);
-    double sum[5] = { 0 }, weights = 0, one[5];
-    for (unsigned w = 0; w < lists->walk_count; w++) {
-        const struct axis_walk *walk = &lists->walk[w];
-        double weight = pow(axis_weight(lists, walk, v), 2);
-        weights += weight;
-        walk_pixel(medium, lists->order + walk->first, walk->count, &ray, one);
-        for (int n = 0; n < 5; n++)
-            sum[n] += weight * one[n];
-    }
-    for (int n = 0; n < 5 && weights > 0; n++)
-        sum[n] /= weights;
-    double scale = sum[3] >= 0.5 ? 1 / sum[3] : 2;
-    static const char *const names[] = { "R", "G", "B", "A" };
-    for (int n = 0; n < 4; n++)
-        close_to((double)value(image, names[n], x, y), sum[n] * scale, 3e-3);
-    double z = (double)value(image, "Z", x, y);
-    if (sum[3] > 0.02)
-        close_to(z, sum[4] / sum[3], 1e-3 * fmax(1, sum[4] / sum[3]));
-    assert_true(isfinite(z) == (value(image, "A", x, y) > 0));
-}
 
 static void expect_lists_order(struct device *device, const struct stp_scene *scene,
                                const struct stp_camera *camera, enum stp_path path,
@@ -59,17 +13,18 @@ static void expect_lists_order(struct device *device, const struct stp_scene *sc
                                         .path = path,
                                         .axis_merge = merge };
     struct stp_image *image = device_render(device, scene, camera, &params);
-    struct view view = { .scene = scene, .width = W, .height = H, .grid = 1 };
     struct axis_lists lists;
-    struct medium medium;
-    eye_init(&view.eye, camera, scene->splats.origin);
-    assert_int_equal(medium_init(NULL, &view, &medium), STP_OK);
+    struct drawn drawn;
+    drawn_make(scene, camera, &params, &drawn);
     assert_int_equal(axis_lists_build(NULL, scene, camera, merge, 0.85, &lists), STP_OK);
     for (uint32_t y = 1; y < H; y += 3)
-        for (uint32_t x = 2; x < W; x += 4)
-            expect_pixel(&medium, &lists, image, x, y);
+        for (uint32_t x = 2; x < W; x += 4) {
+            double sum[5];
+            drawn_merge(&drawn, &lists, x, y, 0, sum);
+            drawn_expect(sum, image, x, y, 3e-3, 0.04, 1e-3);
+        }
     axis_lists_release(&lists);
-    medium_release(&medium);
+    drawn_release(&drawn);
     stp_image_destroy(&image);
 }
 

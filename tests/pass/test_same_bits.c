@@ -24,8 +24,11 @@ static const struct {
     { STP_METHOD_DEFERRED, STP_PATH_COMPUTE, STP_PAYLOAD_PACKED, STP_VORONOI_OFF, "keys" },
     { STP_METHOD_DEFERRED, STP_PATH_COMPUTE, STP_PAYLOAD_ID, STP_VORONOI_EXACT, "keys, exact" },
     { STP_METHOD_DEFERRED, STP_PATH_RASTER, STP_PAYLOAD_ID, STP_VORONOI_SLAB, "layers, slabs" },
+    { STP_METHOD_AXIS, STP_PATH_COMPUTE, 0, 0, "axis compute" },
+    { STP_METHOD_AXIS, STP_PATH_RASTER, 0, 0, "axis raster" },
 };
-#define WAYS (sizeof ways / sizeof *ways)
+#define WAYS       (sizeof ways / sizeof *ways)
+#define TILED_WAYS (WAYS - 2) /* for those of axis see test_axis_surface.c */
 
 static struct stp_render_params way(unsigned i, unsigned aovs)
 {
@@ -33,7 +36,9 @@ static struct stp_render_params way(unsigned i, unsigned aovs)
                                        .path = ways[i].path,
                                        .payload = ways[i].payload,
                                        .voronoi = ways[i].voronoi,
-                                       .aovs = aovs };
+                                       .aovs = ways[i].method == STP_METHOD_AXIS
+                                                   ? aovs & STP_AOV_POSITION
+                                                   : aovs };
 }
 
 /* Points of a closed bumpy surface with a cluster that overflows the slots of `exact`; in the
@@ -113,7 +118,7 @@ static void test_tiles(void **state)
     device_open(&device, 0);
     struct stp_scene *scene = surface(&device.env, 1, true, true);
     struct stp_camera camera = framed(scene);
-    for (unsigned i = 0; i < WAYS; i++) {
+    for (unsigned i = 0; i < TILED_WAYS; i++) {
         struct stp_render_params p = way(i, 127);
         struct stp_image *whole = device_render(&device, scene, &camera, &p);
         unsigned most = 0;

@@ -88,6 +88,31 @@ static inline void release_inputs(struct inputs *in)
     stp_scene_destroy(&in->scene);
 }
 
+/* What plans cannot give: one line says so, and nothing is made. */
+struct plan_refusal {
+    void (*set)(struct inputs *in);
+    const char *word; /* of the line */
+};
+
+static inline void expect_refusals(struct inputs (*make)(void), const struct plan_refusal *refused,
+                                   size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        struct inputs in = make();
+        struct plan_log log = { 0 };
+        struct stp_env env = { .log = plan_keep_line, .user = &log };
+        struct stp_plan *plan = NULL;
+        refused[i].set(&in);
+        assert_int_equal(stp_plan_create(&env, in.scene, &in.camera, &in.params, &in.limits, &plan),
+                         STP_ERROR_ARGUMENT);
+        assert_null(plan);
+        assert_int_equal(log.lines, 1);
+        if (!strstr(log.last, refused[i].word))
+            fail_msg("no \"%s\" in: %s", refused[i].word, log.last);
+        release_inputs(&in);
+    }
+}
+
 /* For tests of what auto decides: lavapipe, and no prices but those that are set. */
 static inline void price_nothing(struct inputs *in)
 {

@@ -66,10 +66,14 @@ static void one_axis_costs_one_list(void **state)
     assert_int_equal(plan_bytes(plan, PLAN_TRANSIENT), 32 * kernels);
     assert_true(!plan->axis.sheets[0].first && !plan->axis.sheets[1].first);
     assert_int_equal(plan->pass_count, 2);
-    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_GROUPED);
+    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_FETCHED);
+    assert_int_equal(resource_named(plan, "projected")->format, PLAN_TEXELS_RGBA32UI);
+    assert_int_equal(resource_named(plan, "block splats")->format, PLAN_TEXELS_R32UI);
     stp_plan_destroy(&plan);
-    in.limits.features &= ~(unsigned)STP_FEATURE_SUBGROUP_8;
+    in.limits.features &= ~(unsigned)STP_FEATURE_TEXEL_BUFFERS;
     plan = plan_of(&in);
+    assert_int_equal(resource_named(plan, "projected")->format, PLAN_BUFFER);
+    assert_int_equal(resource_named(plan, "block splats")->format, PLAN_BUFFER);
     assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK);
     assert_int_equal(plan->constant[PLAN_AXIS_CUT], 0);
     stp_plan_destroy(&plan);
@@ -86,6 +90,7 @@ static void three_axes_cost_three(void **state)
     assert_int_equal(resource_named(plan, "walk depth")->layers, 3);
     assert_int_equal(resource_named(plan, "kernels")->bytes, 32 * plan->facts.splats);
     assert_int_equal(resource_named(plan, "lists")->bytes, 4 * plan->axis.count);
+    assert_int_equal(resource_named(plan, "lists")->format, PLAN_BUFFER);
     char *text = stp_plan_print(plan);
     assert_non_null(strstr(text, "rays along -x"));
     assert_non_null(strstr(text, "h 0.85"));

@@ -26,7 +26,7 @@ static void splats_and_their_lists(void **state)
                                                        (plan->facts.has_color ? 12 * splats : 0));
     assert_int_equal(plan->pass_count, 2);
     assert_int_equal(pass_named(plan, "project")->shader, PLAN_SHADER_AXIS_SURFACE);
-    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_GROUPED);
+    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_FETCHED);
     stp_plan_destroy(&plan);
     static const float background[] = { 1, 1, 1, 1 };
     in.params.background = background;
@@ -37,6 +37,23 @@ static void splats_and_their_lists(void **state)
     assert_int_equal(plan->pass_count, 4); /* project, a walk, merge, background */
     assert_int_equal(plan->pass[1].vertex, PLAN_SHADER_AXIS_SURFACE_VERTEX);
     assert_int_equal(plan->pass[3].shader, PLAN_SHADER_BACKGROUND);
+    stp_plan_destroy(&plan);
+    release_inputs(&in);
+}
+
+/* An environment that no splat mirrors is no part of it, and may lie behind. */
+static void an_environment_behind(void **state)
+{
+    struct inputs in = surface_inputs();
+    in.scene->facts.environment_levels = 1;
+    in.scene->facts.environment_texels = 1000;
+    struct stp_plan *plan = plan_of(&in);
+    assert_null(resource_named(plan, "environment"));
+    stp_plan_destroy(&plan);
+    in.params.environment_behind = true;
+    plan = plan_of(&in);
+    assert_non_null(resource_named(plan, "environment"));
+    assert_int_equal(plan->pass[plan->pass_count - 1].shader, PLAN_SHADER_BACKGROUND);
     stp_plan_destroy(&plan);
     release_inputs(&in);
 }
@@ -143,36 +160,34 @@ static void ids(struct inputs *in)
     in->params.aovs = STP_AOV_ID;
 }
 
-static const struct {
-    void (*set)(struct inputs *in);
-    const char *word;
-} refused[] = {
-    { deep, "not layers" },        { light_of_pixels, "--shade" }, { layers_counted, "exact" },
-    { peel, "transparency peel" }, { samples, "one sample" },      { ids, "aovs" },
+static void mirrors(struct inputs *in)
+{
+    in->scene->facts.environment_levels = 1;
+    in->scene->facts.environment_texels = 1000;
+    in->scene->facts.reflects = true;
+}
+
+static void whole_h(struct inputs *in)
+{
+    in->params.axis_h = 1;
+}
+
+static const struct plan_refusal refused[] = {
+    { deep, "not layers" },         { light_of_pixels, "--shade" }, { layers_counted, "exact" },
+    { peel, "transparency peel" },  { samples, "one sample" },      { ids, "aovs" },
+    { mirrors, "mirrors nothing" }, { whole_h, "below 1" },
 };
 
 static void what_it_cannot_show(void **state)
 {
-    for (unsigned i = 0; i < sizeof refused / sizeof *refused; i++) {
-        struct inputs in = surface_inputs();
-        struct plan_log log = { 0 };
-        struct stp_env env = { .log = plan_keep_line, .user = &log };
-        struct stp_plan *plan = NULL;
-        refused[i].set(&in);
-        assert_int_equal(stp_plan_create(&env, in.scene, &in.camera, &in.params, &in.limits, &plan),
-                         STP_ERROR_ARGUMENT);
-        assert_null(plan);
-        assert_int_equal(log.lines, 1);
-        if (!strstr(log.last, refused[i].word))
-            fail_msg("%s", log.last);
-        release_inputs(&in);
-    }
+    expect_refusals(surface_inputs, refused, sizeof refused / sizeof *refused);
 }
 
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(splats_and_their_lists),
+        cmocka_unit_test(an_environment_behind),
         cmocka_unit_test(lists_look_as_the_picture_does),
         cmocka_unit_test(its_reference_is_on_the_cpu),
         cmocka_unit_test(volumes_pay_nothing),

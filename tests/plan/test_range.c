@@ -75,10 +75,7 @@ static void light_of_splats(struct inputs *in)
     in->params.shade = STP_SHADE_SPLAT;
 }
 
-static const struct {
-    void (*set)(struct inputs *in);
-    const char *word;
-} refused[] = {
+static const struct plan_refusal refused[] = {
     { surface, "--range-splats discs" },
     { deep, "no layers" },
     { light_cube, "light cube" },
@@ -88,19 +85,7 @@ static const struct {
 /* What belongs to surfaces: one line says so, and nothing is made. */
 static void surfaces_are_refused(void **state)
 {
-    for (unsigned i = 0; i < sizeof refused / sizeof *refused; i++) {
-        struct inputs in = range_inputs();
-        struct plan_log log = { 0 };
-        struct stp_env env = { .log = plan_keep_line, .user = &log };
-        struct stp_plan *plan = NULL;
-        refused[i].set(&in);
-        assert_int_equal(stp_plan_create(&env, in.scene, &in.camera, &in.params, &in.limits, &plan),
-                         STP_ERROR_ARGUMENT);
-        assert_null(plan);
-        assert_int_equal(log.lines, 1);
-        assert_non_null(strstr(log.last, refused[i].word));
-        release_inputs(&in);
-    }
+    expect_refusals(range_inputs, refused, sizeof refused / sizeof *refused);
 }
 
 int main(void)

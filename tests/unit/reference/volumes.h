@@ -73,16 +73,6 @@ static inline struct stp_scene *random_volume_scene(uint32_t seed, const uint32_
     return scene;
 }
 
-/* One more kernel before what five sums hold: premultiplied colour, alpha, and depth by alpha. */
-static inline void composite_over(const struct medium *medium, const struct medium_fragment *f,
-                                  double sum[5])
-{
-    const double *c = medium->shaded[f->kernel];
-    const double own[5] = { c[0], c[1], c[2], 1, f->depth };
-    for (int n = 0; n < 5; n++)
-        sum[n] = f->alpha * own[n] + (1 - f->alpha) * sum[n];
-}
-
 static inline struct stp_image *render_volume(const struct stp_scene *scene,
                                               const struct stp_camera *camera,
                                               const struct stp_render_params *params)

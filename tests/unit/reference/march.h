@@ -1,0 +1,205 @@
+/* A volume by code of its own, from the definitions of docs/axis.md alone: rays are marched through
+ * the sum of its Gaussians, emitting and absorbing; and their Gaussians are composited one by one,
+ * sorted along each ray. Nothing of the library but its vectors and cameras is used. */
+#ifndef TEST_REFERENCE_MARCH_H
+#define TEST_REFERENCE_MARCH_H
+
+#include "volumes.h"
+
+#define MARCH_SIDE_MOST 24
+
+struct march {
+    uint32_t dims[3];
+    double spacing[3], origin[3];
+    float value[MARCH_SIDE_MOST * MARCH_SIDE_MOST * MARCH_SIDE_MOST];
+};
+
+/* What two points of a transfer function make of a value from 0 to 1. */
+static const double march_low[4] = { 1, 0.1, 0.5, 0.03 }, march_high[4] = { 0, 1, 0.4, 0.15 };
+
+static inline struct transfer_function march_function(void)
+{
+    struct transfer_function f = { .count = 2, .point = { { .value = 0 }, { .value = 1 } } };
+    for (int n = 0; n < 3; n++) {
+        f.point[0].color[n] = (float)march_low[n];
+        f.point[1].color[n] = (float)march_high[n];
+    }
+    f.point[0].opacity = (float)march_low[3];
+    f.point[1].opacity = (float)march_high[3];
+    return f;
+}
+
+/* Slow waves, about 0. */
+static inline void march_fill(struct march *m, const uint32_t dims[3], const double spacing[3])
+{
+    size_t i = 0;
+    for (int a = 0; a < 3; a++) {
+        m->dims[a] = dims[a];
+        m->spacing[a] = spacing[a];
+        m->origin[a] = -0.5 * (dims[a] - 1) * spacing[a];
+    }
+    for (uint32_t z = 0; z < dims[2]; z++)
+        for (uint32_t y = 0; y < dims[1]; y++)
+            for (uint32_t x = 0; x < dims[0]; x++)
+                m->value[i++] = (float)(0.5 + 0.16 * (sin(0.31 * x) + cos(0.27 * y + 1) +
+                                                      sin(0.4 * z * (spacing[2] > 2 ? 2 : 1))));
+}
+
+static inline struct stp_scene *march_scene(const struct march *m)
+{
+    struct transfer_function function = march_function();
+    struct stp_volume volume = { .value = m->value };
+    for (int a = 0; a < 3; a++) {
+        volume.dims[a] = m->dims[a];
+        volume.spacing[a] = m->spacing[a];
+        volume.origin[a] = m->origin[a];
+    }
+    return volume_scene(&volume, &function);
+}
+
+/* One Gaussian on a ray of unit speed: tau a exp(-(m2 + b (t - at)^2) / 2). */
+struct march_kernel {
+    double tau_a, m2, b, at, color[3];
+};
+
+/* Start and unit direction of a pixel's ray; *depth: eye depth a unit of it. */
+static inline void march_ray(const struct stp_camera *c, double px, double py, double from[3],
+                             double along[3], double *depth)
+{
+    const double *m = c->world_to_camera;
+    double x = (px - c->cx) / c->fx, y = -(py - c->cy) / c->fy, length = 1;
+    double at[3] = { c->orthographic ? x : 0, c->orthographic ? y : 0, 0 };
+    double d[3] = { c->orthographic ? 0 : x, c->orthographic ? 0 : y, -1 };
+    length = sqrt(d[0] * d[0] + d[1] * d[1] + 1);
+    for (int a = 0; a < 3; a++) {
+        from[a] = along[a] = 0;
+        for (int row = 0; row < 3; row++) {
+            from[a] += m[4 * row + a] * (at[row] - m[4 * row + 3]);
+            along[a] += m[4 * row + a] * d[row] / length;
+        }
+    }
+    *depth = 1 / length;
+}
+
+/* Those whose least deviation from the ray is at most 3. */
+static inline size_t march_find(const struct march *m, const double from[3], const double along[3],
+                                struct march_kernel *found)
+{
+    const double sigma = 0.55;
+    double amplitude = 1 / (pow(2 * M_PI, 1.5) * pow(sigma, 3) * (1 - exp(-4.5))),
+           finest = INFINITY;
+    size_t count = 0, i = 0;
+    for (int a = 0; a < 3; a++)
+        finest = fmin(finest, m->spacing[a]);
+    for (uint32_t z = 0; z < m->dims[2]; z++)
+        for (uint32_t y = 0; y < m->dims[1]; y++)
+            for (uint32_t x = 0; x < m->dims[0]; x++, i++) {
+                const uint32_t at[3] = { x, y, z };
+                double b = 0, e = 0, ee = 0, v = (double)m->value[i];
+                struct march_kernel k;
+                for (int a = 0; a < 3; a++) {
+                    double s = sigma * m->spacing[a], u = along[a] / s;
+                    double d = (from[a] - m->origin[a] - at[a] * m->spacing[a]) / s;
+                    b += u * u;
+                    e += u * d;
+                    ee += d * d;
+                }
+                k.b = b;
+                k.at = -e / b;
+                k.m2 = ee - e * e / b;
+                k.tau_a = -log(1 - (march_low[3] + v * (march_high[3] - march_low[3]))) / finest *
+                          amplitude;
+                for (int n = 0; n < 3; n++)
+                    k.color[n] = march_low[n] + v * (march_high[n] - march_low[n]);
+                if (k.m2 <= 9)
+                    found[count++] = k;
+            }
+    return count;
+}
+
+static inline int march_nearer(const void *a, const void *b)
+{
+    const struct march_kernel *x = a, *y = b;
+    return (x->at > y->at) - (x->at < y->at);
+}
+
+/* sum: premultiplied colour, alpha, and depth by alpha. Emission and absorption of their sum, by
+ * the midpoint rule, which knows smooth integrands of nothing but Gaussians to all digits. */
+static inline void march_through(const struct march_kernel *k, size_t count, double depth,
+                                 double sum[5])
+{
+    double first = INFINITY, last = -INFINITY, widest = 0, left = 1;
+    memset(sum, 0, 5 * sizeof *sum);
+    for (size_t i = 0; i < count; i++) {
+        double reach = 6 / sqrt(k[i].b);
+        first = fmin(first, k[i].at - reach);
+        last = fmax(last, k[i].at + reach);
+        widest = fmax(widest, k[i].b);
+    }
+    double step = 0.1 / sqrt(widest);
+    for (double t = first + 0.5 * step; count > 0 && t < last; t += step) {
+        double density = 0, glow[3] = { 0 };
+        for (size_t i = 0; i < count; i++) {
+            double own =
+                k[i].tau_a * exp(-0.5 * (k[i].m2 + k[i].b * (t - k[i].at) * (t - k[i].at)));
+            density += own;
+            for (int n = 0; n < 3; n++)
+                glow[n] += own * k[i].color[n];
+        }
+        if (density == 0)
+            continue;
+        double taken = left * -expm1(-density * step);
+        for (int n = 0; n < 3; n++)
+            sum[n] += taken * glow[n] / density;
+        sum[3] += taken;
+        sum[4] += taken * t * depth;
+        left -= taken;
+    }
+}
+
+/* One by one, the nearest first. */
+static inline void march_sorted(struct march_kernel *k, size_t count, double depth, double sum[5])
+{
+    double left = 1;
+    memset(sum, 0, 5 * sizeof *sum);
+    qsort(k, count, sizeof *k, march_nearer);
+    for (size_t i = 0; i < count; i++) {
+        double taken = left * -expm1(-k[i].tau_a * exp(-0.5 * k[i].m2) * sqrt(2 * M_PI / k[i].b));
+        for (int n = 0; n < 3; n++)
+            sum[n] += taken * k[i].color[n];
+        sum[3] += taken;
+        sum[4] += taken * k[i].at * depth;
+        left -= taken;
+    }
+}
+
+/* Both of a pixel. */
+static inline void march_pixel(const struct march *m, const struct stp_camera *camera, uint32_t x,
+                               uint32_t y, double through[5], double sorted[5])
+{
+    static struct march_kernel found[MARCH_SIDE_MOST * MARCH_SIDE_MOST * MARCH_SIDE_MOST];
+    double from[3], along[3], depth;
+    march_ray(camera, x + 0.5, y + 0.5, from, along, &depth);
+    size_t count = march_find(m, from, along, found);
+    march_through(found, count, depth, through);
+    march_sorted(found, count, depth, sorted);
+}
+
+/* Views from outside, some by perspective: spacing 1 : 1 : 1, then 1 : 1 : 10. */
+#define MARCH_VIEWS 6
+static inline struct stp_camera march_view(struct march *m, int index, uint32_t width,
+                                           uint32_t height)
+{
+    static const struct vec3 towards[] = { { 0.2137, 0.0911, 1 },
+                                           { 1, 0.8231, 0.9107 },
+                                           { -0.7119, 1, 0.0533 } };
+    bool flat = index % 2, tall = index >= MARCH_VIEWS / 2;
+    struct stp_camera camera = flat ? flat_camera(width, height, height / 26.0)
+                                    : plain_camera(width, height, 2.2 * height);
+    march_fill(m, tall ? (uint32_t[]){ 22, 20, 3 } : (uint32_t[]){ 16, 15, 17 },
+               tall ? (double[]){ 1, 1, 10 } : (double[]){ 1, 1, 1 });
+    look_at(&camera, v3_scale(v3_unit(towards[index % 3]), 70), v3(0, 0, 0));
+    return camera;
+}
+
+#endif
