@@ -4,6 +4,8 @@
 
 #include "base/vec.h"
 
+#define LEAST_DEPTH 1.0000500033335834e-4 /* optical: -log1p(-LEAST_ALPHA) */
+
 struct axis_rays axis_rays(const struct stp_camera *camera)
 {
     const double *m = camera->world_to_camera; /* rigid: columns are the world's axes */
@@ -266,8 +268,11 @@ bool axis_pixels(const struct axis_kernel *kernel, struct axis_rectangle *r)
                 &r->y1);
 }
 
+/* Of a grid it is diagonal. */
 static struct vec3 whitened(const struct axis_view *view, struct vec3 v)
 {
+    if (view->shape == AXIS_VOXELS)
+        return v3(view->white[0][0] * v.x, view->white[1][1] * v.y, view->white[2][2] * v.z);
     return v3(v3_dot(v3_load(view->white[0]), v), v3_dot(v3_load(view->white[1]), v),
               v3_dot(v3_load(view->white[2]), v));
 }
@@ -317,5 +322,5 @@ bool axis_hits(const struct axis_kernel *kernel, double tau, double px, double p
                           erfc((camera->far_depth - n.peak) * root));
     double integral =
         view->amplitude * v3_length(v) * sqrt(2 * M_PI / n.a) * exp(-0.5 * n.m2) * share;
-    return -expm1(-tau * integral) >= LEAST_ALPHA;
+    return tau * integral >= LEAST_DEPTH;
 }

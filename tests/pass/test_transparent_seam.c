@@ -123,11 +123,43 @@ static void without_slabs(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* A layer of twelve discs within a fifth of their object's epsilon, which is twenty times that of
+ * the sheet behind them: slabs of the least epsilon would count it up to three times a group. Steps
+ * of shifted slabs are a quarter of an epsilon apart, so that one group of four may count it twice.
+ */
+static void epsilons_of_objects(void **state)
+{
+    struct stp_scene *scene = scene_make(13, 2, EPSILON);
+    scene->objects[1].epsilon = EPSILON / 20;
+    for (size_t i = 0; i < 12; i++)
+        scene_add(scene, v3(0, 0, -5 - SPREAD * (double)(i * 5 % 12) / 11), v3(0, 0, 1), 2);
+    scene_assign(scene, scene_add(scene, v3(0, 0, -6), v3(0, 0, 1), 2), 1);
+    for (size_t i = 0; i < 13; i++)
+        scene_fade(scene, i, (float)ALPHA);
+    scene_finish(scene);
+    const struct stp_cover_params whole = { .coverage = 1 };
+    assert_int_equal(stp_scene_cover(&device.env, scene, &whole), STP_OK);
+    struct stp_camera camera = flat_camera(17, 17, 8);
+    struct stp_render_params p = { .min_splat = -1, .transparency = STP_TRANSPARENCY_FAST };
+    for (int way = 0; way < 2; way++) {
+        struct stp_image *image = device_render(&device, scene, &camera, &p);
+        double alpha = (double)stp_image_find(image, "A")->data.f[8 * 17 + 8];
+        double twice = 1 - pow(1 - ALPHA, 2), thrice = 1 - pow(1 - ALPHA, 3);
+        if (getenv("STP_TEST_VERDICTS"))
+            print_message("opacity %.4f of two layers\n", alpha);
+        assert_true(alpha >= twice - 1e-5 && alpha <= (3 * twice + thrice) / 4 + 1e-5);
+        p.transparency = STP_TRANSPARENCY_NEAREST;
+        stp_image_destroy(&image);
+    }
+    stp_scene_destroy(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shifted_seams),
         cmocka_unit_test(without_slabs),
+        cmocka_unit_test(epsilons_of_objects),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }
