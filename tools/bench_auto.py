@@ -12,7 +12,8 @@
                                         all but the milliseconds
   tools/bench_auto.py prices FILE...    prices in nanoseconds of every kind of plan, fitted to the
                                         calibration's scenes and the sweeps of these models
-                                        together (the built-in ones: src/plan/profile.c)
+                                        together (the built-in ones: src/plan/profile.c); --only
+                                        WORD: of kinds that begin so; --write: they take their place
   tools/bench_auto.py reports DIR FILE...
                                         the whole `stipple report` of every model, into DIR/report-MODEL
 
@@ -263,9 +264,26 @@ def least_squares(rows):
 
 WORDS = {"two-pass compute": "TWO_PASS", "two-pass compute color": "TWO_PASS_COLOR",
          "peel compute": "PEEL", "peel compute color": "PEEL_COLOR"}
+PROFILE = os.path.join(ROOT, "src", "plan", "profile.c")
 
 
-def prices(models):
+def enum_name(kind):
+    return "PLAN_COST_" + WORDS.get(kind, kind.upper().replace(" ", "_").replace("-", "_"))
+
+
+def enter(kind, row):
+    """Into src/plan/profile.c, in the place of the row that was there."""
+    with open(PROFILE, encoding="ascii") as file:
+        text = file.read()
+    text, count = re.subn(r"\[%s\] = \{.*?\}" % enum_name(kind), f"[{enum_name(kind)}] = {{ {row} }}", text,
+                          flags=re.S)
+    if count != 1:
+        sys.exit(f"{PROFILE} has no row of {enum_name(kind)}")
+    with open(PROFILE, "w", encoding="ascii") as file:
+        file.write(text)
+
+
+def prices(models, only, write):
     kinds = {}
     with tempfile.TemporaryDirectory() as folder:
         runs = [["devices", "--calibrate"]]
@@ -275,11 +293,17 @@ def prices(models):
                 kinds.setdefault(kind, []).append((ms, amount))
             print(" ".join(run), file=sys.stderr, flush=True)
     for kind, rows in kinds.items():
+        if not kind.startswith(only):
+            continue
         found, spread = least_squares(rows)
-        name = WORDS.get(kind, kind.upper().replace(" ", "_").replace("-", "_"))
-        print(f"    [PLAN_COST_{name}] = {{ /* {len(rows)} frames, residual {spread:.0%} */ " +
-              ", ".join(f"[PLAN_TERM_{term.upper().replace(' ', '_')}] = {price:.3g}"
-                        for term, price in found.items()) + " },", flush=True)
+        row = ", ".join(f"[PLAN_TERM_{term.upper().replace(' ', '_')}] = {price:.3g}"
+                        for term, price in found.items())
+        print(f"    [{enum_name(kind)}] = {{ /* {len(rows)} frames, residual {spread:.0%} */ {row} }},",
+              flush=True)
+        if write:
+            enter(kind, row)
+    if write:
+        subprocess.run(["clang-format", "-i", PROFILE], check=True)
 
 
 # --- reports ---------------------------------------------------------------------------------------
@@ -300,6 +324,8 @@ def main():
     parser.add_argument("--method", default="exact", help="of features (default: exact)")
     parser.add_argument("--opacity", help="of auto and bounds: everything is so transparent")
     parser.add_argument("--keep", metavar="DIR", help="of auto: the reports stay, as DIR/report-MODEL")
+    parser.add_argument("--only", default="", metavar="WORD", help="of prices: kinds that begin so")
+    parser.add_argument("--write", action="store_true", help="of prices: into src/plan/profile.c")
     options = parser.parse_args()
     more = ["--opacity", options.opacity, "--cull", "none"] if options.opacity else []
     if options.what == "auto":
@@ -309,7 +335,7 @@ def main():
     elif options.what == "features":
         features(options.arguments[0], options.method, options.rounds)
     elif options.what == "prices":
-        prices(options.arguments)
+        prices(options.arguments, options.only, options.write)
     else:
         reports(options.arguments[0], options.arguments[1:])
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Botsch, Spernat and Kobbelt's comparison on models of your own, as Markdown (docs/phong.md).
 
-  tools/bench_phong.py curve MODEL... [--counts N,N...] [--view AZ,EL] [--method M]
+  tools/bench_phong.py curve MODEL... [--counts N,N...|--tolerances T,T...] [--view AZ,EL] [--method M]
   tools/bench_phong.py limit MODEL... [--counts N,N...]
   tools/bench_phong.py frames MODEL... [--counts N,N...] [--rounds N]
   tools/bench_phong.py fit MODEL... [--counts N,N...] [--rounds N]
@@ -13,11 +13,9 @@ of linear RGB over covered pixels, 1024 x 1024, against the picture of the whole
 
 curve: the error by the number of splats, of: Phong (linear fields fitted together, averaged, shaded
 once: our default), the same with every field fitted alone (the paper's Eq. 3 and 4 as they stand),
-those shaded fragment by fragment, then blended (the paper's picture), averaged (constant normals
-fitted together, averaged, shaded once: the default of discs), the same blended, blended (constant
-normals, each alone, shaded, then blended: what the paper compares with), flat (the nearest splat's
-normal, nothing blended).
-Then how many constant splats reach the error of each number of Phong splats. exponent: the error
+averaged (constant normals fitted together, averaged, shaded once: the default of discs), the same
+shaded, then blended, blended (constant normals, each alone, shaded, then blended: what the paper
+compares with), flat (the nearest splat's normal, nothing blended). Then how many constant splats reach the error of each number of Phong splats. exponent: the error
 falls as the count to this power, between the least and the most splats. limit: what round
 splats of so many points can do at best, whatever made them and blended with nothing: the angle,
 root mean square, between the normals of a point's nearest neighbours and the linear field, and the
@@ -98,9 +96,11 @@ def run(*arguments):
     return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True)
 
 
-def fit(file, count, out, more=()):
-    """The splats that came out, and the tolerance that it took."""
-    told = run("prepare", file, "-o", out, "--fit-count", str(count), *more)
+def fit(file, size, out, more=()):
+    """The splats that came out, and the tolerance that it took. size: a count, or as text a
+    tolerance."""
+    way = "--fit" if isinstance(size, str) else "--fit-count"
+    told = run("prepare", file, "-o", out, way, str(size), *more)
     found = re.search(r"-> (\d+) splats, tolerance ([^,]+),", told.stderr)
     return int(found[1]), found[2]
 
@@ -142,7 +142,6 @@ BLENDED = ("blended", FLAT_ALONE, ["--shade", "splat"])
 WAYS = [
     ("Phong", (), []),
     ("Phong, alone", ALONE, []),
-    ("Phong, alone, blended", ALONE, ["--shade", "splat"]),
     ("averaged", FLAT, []),
     ("blended, together", FLAT, ["--shade", "splat"]),
     BLENDED,
@@ -295,11 +294,15 @@ def main():
     parser.add_argument("model", nargs="+")
     parser.add_argument("--counts", type=lambda text: [int(n) for n in text.split(",")],
                         help="default: 1000,3000,10000,30000,100000; frames: 3000,10000")
+    parser.add_argument("--tolerances", type=lambda text: text.split(","),
+                        help="curve: in the place of the counts, which take a search each")
     parser.add_argument("--view", default="35,15")
     parser.add_argument("--method", default="two-pass")
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
-    if not arguments.counts:
+    if arguments.tolerances:
+        arguments.counts = arguments.tolerances
+    elif not arguments.counts:
         few = arguments.what == "frames"
         arguments.counts = [3000, 10000] if few else [1000, 3000, 10000, 30000, 100000]
     {"curve": curve, "limit": limits, "frames": frames, "fit": fits}[arguments.what](arguments)

@@ -8,6 +8,8 @@
 /* An estimate counts as within the bound when it still is this many standard errors higher, and as
  * beyond when it still is that many lower. */
 #define CONFIDENCE 3
+/* So many rare cells a sample may have missed: none seen of 3 expected happens once in 20. */
+#define UNSEEN 3
 /* A few cells may miss the few pixels where most of the error is: near the bound the many decide,
  * and while the standard error is more than this share of what is said to be the most. */
 #define TAIL 1.3
@@ -91,14 +93,26 @@ static double dome_error(const struct stp_plan *plan)
 struct estimate {
     struct probe_error error;
     double more; /* that no probe sees */
+    double rare; /* the error of a rare cell */
     double low, high;
 };
+
+/* What the spread does not tell where most of the error is in a few cells: as much as of UNSEEN
+ * cells like the worst that was seen, or as the method's rare ones, over those that are left. */
+static double unseen(const struct estimate *e)
+{
+    const struct probe_tally *t = &e->error.tally;
+    if (!(t->n > 0) || t->cells >= t->all_cells)
+        return 0;
+    double worst = fmax(t->most - t->e / t->cells, e->rare);
+    return UNSEEN * worst * (1 - t->cells / t->all_cells) / t->n;
+}
 
 static void conclude(struct estimate *e)
 {
     const struct probe_error *error = &e->error;
     e->low = fmax(0, error->mean - CONFIDENCE * error->spread - error->rounding - e->more);
-    e->high = error->mean + CONFIDENCE * error->spread + error->rounding + e->more;
+    e->high = error->mean + CONFIDENCE * error->spread + unseen(e) + error->rounding + e->more;
 }
 
 /* What this probe says of the candidate, with the groups of the scene or of the probe alone. */
@@ -115,6 +129,7 @@ static enum stp_result estimate(struct choosing *c, const struct auto_candidate 
     result = plan_judge(c->env, probe, plan, candidate->way.overlap > 0 ? group : NULL,
                         local != NULL, &e->error);
     e->more = plan_rounding(plan) + dome_error(plan);
+    e->rare = plan_offer_of(plan)->rare * fmax(1, plan->facts.color_max);
     stp_plan_destroy(&plan);
     if (result == STP_OK)
         conclude(e);
@@ -171,9 +186,10 @@ static enum stp_result look_on(struct choosing *c, const struct auto_candidate *
         result = estimate(c, candidate, &probe, NULL, &part);
         parts = probe.parts;
         probe_release(&probe);
-        if (k)
+        if (result == STP_OK && k) {
             probe_error_join(&part.error, &e->error);
-        conclude(&part);
+            conclude(&part);
+        }
         *e = part;
     }
     return result;
@@ -202,12 +218,10 @@ static enum stp_result decide(struct choosing *c, struct auto_candidate *candida
     bool done = false;
     if (candidate->way.overlap > 0)
         result = groupings_use(c->env, &c->groupings, &c->group, candidate->way.overlap);
-    if (result == STP_OK && candidate->close)
-        result = look_on(c, candidate, &e), done = true;
-    else if (result == STP_OK)
-        result = sample(c, candidate, &e, &done);
+    if (result == STP_OK)
+        result = candidate->close ? look_on(c, candidate, &e) : sample(c, candidate, &e, &done);
     candidate->error = e.high;
-    candidate->close = !done && c->params.max_error > 0;
+    candidate->close = !done && !candidate->close && c->params.max_error > 0;
     if (!candidate->close)
         candidate->stage = e.high <= c->bound ? AUTO_ACCEPTED : AUTO_REFUSED;
     return result;

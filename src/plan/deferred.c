@@ -138,6 +138,10 @@ static bool wins(const struct stp_plan *plan, const struct probe_fragment *a,
     return a->depth < b->depth;
 }
 
+/* Of cells where groups that hardly overlap lose fragments: 0.04 to 0.2 in the mean over nine
+ * models at c = 1, a cell in 20 to 1000. */
+#define RARE 0.2
+
 /* One fragment a group. Exact Voronoi looks only within epsilon of the group's nearest. */
 static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, size_t count)
 {
@@ -165,6 +169,8 @@ static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, s
     }
 }
 
-const struct plan_offer plan_deferred_offer = {
-    .method = STP_METHOD_DEFERRED, .candidates = candidates, .cost = cost, .keep = keep
-};
+const struct plan_offer plan_deferred_offer = { .method = STP_METHOD_DEFERRED,
+                                                .candidates = candidates,
+                                                .cost = cost,
+                                                .keep = keep,
+                                                .rare = RARE };

@@ -79,6 +79,9 @@ struct plan_offer {
     /* Which fragments it keeps, and in how many bits: the probe then measures the error. */
     probe_keep_fn keep;
     plan_draw_fn draw; /* NULL, or in the place of keep */
+    /* The error, summed over its pixels, of a cell that few others are like: 0 where all are alike.
+     */
+    double rare;
 };
 
 extern const struct plan_offer plan_exact_offer, plan_twopass_offer, plan_deferred_offer,

@@ -63,7 +63,7 @@ struct probe_color {
 
 /* What estimates are made of: sums over cells, e being a cell's error and n its covered pixels. */
 struct probe_tally {
-    double cells, all_cells, e, n, ee, en, nn;
+    double cells, all_cells, e, n, ee, en, nn, most; /* most: the largest e */
     double growth,
         growth2; /* of pixels' errors, that roundings are expected to make; and squares */
 };

@@ -131,6 +131,7 @@ static void add(struct probe_tally *sum, const struct probe_tally *t)
     sum->ee += t->ee;
     sum->en += t->en;
     sum->nn += t->nn;
+    sum->most = fmax(sum->most, t->most);
     sum->growth += t->growth;
     sum->growth2 += t->growth2;
 }
@@ -146,6 +147,7 @@ static void summarise(const struct probe *probe, struct probe_tally *cell,
         t->ee = t->e * t->e;
         t->en = t->e * t->n;
         t->nn = t->n * t->n;
+        t->most = t->e;
         add(&sum, t);
     }
     conclude(&sum, error);

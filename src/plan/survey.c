@@ -9,13 +9,14 @@
 
 #define MOST_SPLATS 131072 /* of larger scenes this many are looked at, about; all with a bound */
 #define RANGE       128    /* groups of neighbours that share a budget */
-#define BUDGET      65536  /* blocks that a range visits one by one */
+#define BUDGET      65536  /* of blocks that a range visits; with a bound none */
 #define UNIT        64.0   /* sums are integers in 64ths, so that their order is nothing */
 #define KEPT        8      /* fragments a pixel that exact_resolve keeps in registers */
 
 struct count {
     const struct spot_view *view;
     size_t stride;
+    uint64_t budget; /* blocks that a range visits one by one */
     uint32_t across;
     uint64_t drawn, small_box, large, large_box, fragments;
     uint64_t *mass;
@@ -73,7 +74,7 @@ static uint64_t count_splat(struct count *count, size_t i, struct part *part)
 static void count_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct count *count = context;
-    struct part part = { .budget = BUDGET };
+    struct part part = { .budget = count->budget };
     size_t n = count->view->scene->splats.count;
     for (size_t g = begin; g < end; g++) {
         size_t first = g * count->stride * SURVEY_LANES;
@@ -121,6 +122,7 @@ enum stp_result survey_make(const struct stp_env *env, const struct stp_scene *s
                            .down = (camera->height + SURVEY_BLOCK - 1) / SURVEY_BLOCK };
     size_t blocks = (size_t)made.across * made.down;
     struct count count = { .view = &view, .stride = stride ? stride : 1, .across = made.across };
+    count.budget = params->max_error > 0 ? UINT64_MAX : BUDGET;
     count.mass = mem_zalloc(blocks, sizeof *count.mass);
     made.mass = mem_zalloc(blocks, sizeof *made.mass);
     if (!count.mass || !made.mass) {

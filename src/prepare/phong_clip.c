@@ -196,6 +196,33 @@ static bool keep_members(const struct fit_cloud *cloud, const struct patch *patc
     return true;
 }
 
+/* Moves each line out to the feet of its edge, bit by bit beside the members: what bends outwards
+ * between them is shown, and the other side's splats end there too, so that no slit opens. */
+static void keep_feet(const struct fit_cloud *cloud, const struct patch *patch,
+                      const struct patch_frame *f, double slack, const struct clip_track *track,
+                      struct clip_lines *lines)
+{
+    double move[2] = { 0, 0 };
+    for (uint32_t k = 0; k < patch->count; k++) {
+        uint32_t id = cloud->crease_of[patch->member[k]];
+        double spacing = (double)cloud->site[patch->member[k]].spacing;
+        struct xy p = in_plane(cloud, patch->member[k], f);
+        for (unsigned i = 0; id != NO_SITE && i < cloud->crease[id].sides; i++) {
+            double line[3], off;
+            if (!clip_meet(&cloud->crease[id].side[i], f, line))
+                continue;
+            off = line_at(line, p);
+            struct xy foot = { p.x - off * line[0], p.y - off * line[1] };
+            double allowed = fmax(slack, BENT * spacing);
+            int edge = known_edge(track, line, foot, allowed);
+            if (edge >= 0 && fabs(off) <= BESIDE * spacing)
+                move[edge] = fmax(move[edge], fmin(-line_at(lines->line[edge], foot), allowed));
+        }
+    }
+    for (unsigned i = 0; i < lines->count; i++)
+        lines->line[i][2] += move[i];
+}
+
 void patch_clips(const struct fit_cloud *cloud, const struct patch *patch,
                  const struct patch_frame *frame, double slack, struct clip_lines *lines)
 {
@@ -209,6 +236,8 @@ void patch_clips(const struct fit_cloud *cloud, const struct patch *patch,
     mean_lines(&track, &made);
     for (unsigned i = 0; i < made.count; i++)
         turn_line(cloud, patch, frame, made.line[i]);
+    if (made.count == track.found.count)
+        keep_feet(cloud, patch, frame, slack, &track, &made);
     for (int way = 0; way < 4; way++) { /* both, either, the first edge alone, the second */
         struct clip_lines tried = made;
         tried.reflex = way == 1;

@@ -25,9 +25,16 @@ struct shown {
     uint32_t *site; /* owned */
 };
 
+/* Where a site is on a splat, and its weight there. */
+struct seen {
+    struct on_face at;
+    double weight;
+};
+
 struct worker {
     uint32_t *stamp, tick; /* of sites, NULL: not made yet */
     uint32_t *list;
+    struct seen *seen;
     struct field_sample *sample;
     size_t capacity;
     bool out_of_memory;
@@ -39,8 +46,9 @@ struct joint {
     struct splats *splats;
     double depth;
     bool flat;
-    struct shown *shown;       /* a splat */
-    _Atomic int64_t (*sum)[4]; /* a site: of weights, and of weighted normals */
+    struct shown *shown;        /* a splat */
+    _Atomic int64_t (*sum)[4];  /* a site: of weights, and of weighted normals */
+    _Atomic int64_t (*next)[4]; /* those of the next round; NULL: it is the last */
     struct worker *worker;
 };
 
@@ -53,8 +61,11 @@ static bool make_room(struct worker *w, size_t count)
     w->list = list ? list : w->list;
     struct field_sample *sample = mem_realloc(w->sample, capacity, sizeof *sample);
     w->sample = sample ? sample : w->sample;
-    w->capacity = list && sample ? capacity : w->capacity;
-    return list && sample;
+    struct seen *seen = mem_realloc(w->seen, capacity, sizeof *seen);
+    w->seen = seen ? seen : w->seen;
+    bool made = list && sample && seen;
+    w->capacity = made ? capacity : w->capacity;
+    return made;
 }
 
 /* --- which sites a splat shows -------------------------------------------------------------------
@@ -123,30 +134,40 @@ static void show_range(void *context, size_t begin, size_t end, unsigned worker)
 /* --- a round -------------------------------------------------------------------------------------
  */
 
-/* The splat's normal there, on the side of the site's own, and its weight in the mean. */
-static struct vec3 shown_normal(const struct joint *j, const struct face *f, const struct site *s,
-                                struct on_face *at, double *weight)
+static struct seen see(const struct joint *j, const struct face *f, uint32_t site)
 {
-    *at = face_place(f, v3_load(s->p));
-    *weight = fmax(1 - at->s * at->s - at->t * at->t, 1e-6);
-    struct vec3 n = face_normal(f, *at);
-    return !j->cloud->signs && v3_dot(n, v3_loadf(s->n)) < 0 ? v3_scale(n, -1) : n;
+    struct on_face at = face_place(f, v3_load(j->cloud->site[site].p));
+    return (struct seen){ at, fmax(1 - at.s * at.s - at.t * at.t, 1e-6) };
 }
 
+/* The splat's normal there, on the side of the site's own. */
+static struct vec3 shown_normal(const struct joint *j, const struct face *f, uint32_t site,
+                                struct on_face at)
+{
+    struct vec3 n = face_normal(f, at);
+    return !j->cloud->signs && v3_dot(n, v3_loadf(j->cloud->site[site].n)) < 0 ? v3_scale(n, -1)
+                                                                               : n;
+}
+
+static void add_normal(const struct joint *j, const struct face *f, uint32_t site,
+                       const struct seen *seen)
+{
+    struct vec3 n = v3_scale(shown_normal(j, f, site, seen->at), seen->weight);
+    double term[4] = { seen->weight, n.x, n.y, n.z };
+    for (int c = 0; c < 4; c++)
+        atomic_fetch_add_explicit(&j->next[site][c], (int64_t)(ONE * term[c]),
+                                  memory_order_relaxed);
+}
+
+/* The sums of what the splats show at first. */
 static void add_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct joint *j = context;
     for (size_t i = begin; i < end; i++) {
         struct face f = face_of(j->splats, i, j->cloud->origin);
         for (uint32_t k = 0; k < j->shown[i].count; k++) {
-            uint32_t site = j->shown[i].site[k];
-            struct on_face at;
-            double weight;
-            struct vec3 n = shown_normal(j, &f, &j->cloud->site[site], &at, &weight);
-            double term[4] = { weight, weight * n.x, weight * n.y, weight * n.z };
-            for (int c = 0; c < 4; c++)
-                atomic_fetch_add_explicit(&j->sum[site][c], (int64_t)(ONE * term[c]),
-                                          memory_order_relaxed);
+            struct seen seen = see(j, &f, j->shown[i].site[k]);
+            add_normal(j, &f, j->shown[i].site[k], &seen);
         }
     }
 }
@@ -154,46 +175,53 @@ static void add_range(void *context, size_t begin, size_t end, unsigned worker)
 /* What the splat should show at a site: what it shows, and what the mean lacks. False: that leans
  * too far for a field. */
 static bool wanted_at(const struct joint *j, const struct face *f, uint32_t site,
-                      struct field_sample *out)
+                      const struct seen *seen, struct field_sample *out)
 {
-    const struct site *s = &j->cloud->site[site];
     const _Atomic int64_t *sum = j->sum[site];
-    struct on_face at;
-    double weight;
-    struct vec3 shown = shown_normal(j, f, s, &at, &weight);
+    struct vec3 shown = shown_normal(j, f, site, seen->at);
     struct vec3 mean = v3_unit(v3((double)sum[1], (double)sum[2], (double)sum[3]));
-    struct vec3 wanted = v3_add(shown, v3_sub(v3_loadf(s->n), mean));
+    struct vec3 wanted = v3_add(shown, v3_sub(v3_loadf(j->cloud->site[site].n), mean));
     double z = v3_dot(wanted, f->n);
     if (z < 0 && !j->cloud->signs) {
         wanted = v3_scale(wanted, -1);
         z = -z;
     }
-    z /= v3_length(wanted);
-    wanted = v3_unit(wanted);
-    *out = (struct field_sample){ at.s, at.t, v3_dot(wanted, f->u) / z, v3_dot(wanted, f->v) / z,
-                                  ONE * weight / (double)sum[0] * z * z * z * z };
-    return z > ASIDE;
+    double cosine = z / v3_length(wanted), share = ONE * seen->weight / (double)sum[0];
+    *out = (struct field_sample){ seen->at.s, seen->at.t, v3_dot(wanted, f->u) / z,
+                                  v3_dot(wanted, f->v) / z,
+                                  share * cosine * cosine * cosine * cosine };
+    return cosine > ASIDE;
+}
+
+/* Fits the splat's field anew, and adds what it shows then to the next sums. */
+static void refit(const struct joint *j, struct worker *w, size_t splat)
+{
+    const struct shown *shown = &j->shown[splat];
+    struct stp_phong_splat *phong = &j->splats->phong[splat];
+    struct face f = face_of(j->splats, splat, j->cloud->origin);
+    size_t count = 0;
+    double field[4];
+    for (uint32_t k = 0; k < shown->count; k++) {
+        w->seen[k] = see(j, &f, shown->site[k]);
+        count += wanted_at(j, &f, shown->site[k], &w->seen[k], &w->sample[count]);
+    }
+    if (count > 0 && j->set->patch[splat].count > 1) {
+        field_fit(w->sample, count, j->flat, field);
+        for (int c = 0; c < 4; c++)
+            phong->field[c] = f.phong.field[c] = (float)field[c];
+    }
+    for (uint32_t k = 0; j->next && k < shown->count; k++)
+        add_normal(j, &f, shown->site[k], &w->seen[k]);
 }
 
 static void refit_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     const struct joint *j = context;
-    for (size_t i = begin; i < end; i++) {
-        struct worker *w = &j->worker[worker];
-        struct face f = face_of(j->splats, i, j->cloud->origin);
-        size_t count = 0;
-        double field[4];
-        if (j->set->patch[i].count < 2 || !make_room(w, j->shown[i].count)) {
-            w->out_of_memory |= j->set->patch[i].count >= 2;
-            continue;
-        }
-        for (uint32_t k = 0; k < j->shown[i].count; k++)
-            count += wanted_at(j, &f, j->shown[i].site[k], &w->sample[count]);
-        if (count == 0)
-            continue;
-        field_fit(w->sample, count, j->flat, field);
-        for (int c = 0; c < 4; c++)
-            j->splats->phong[i].field[c] = (float)field[c];
+    struct worker *w = &j->worker[worker];
+    for (size_t i = begin; i < end && !w->out_of_memory; i++) {
+        w->out_of_memory = !make_room(w, j->shown[i].count);
+        if (!w->out_of_memory)
+            refit(j, w, i);
     }
 }
 
@@ -216,10 +244,24 @@ static void release(struct joint *j, unsigned workers)
         mem_free(j->worker[i].stamp);
         mem_free(j->worker[i].list);
         mem_free(j->worker[i].sample);
+        mem_free(j->worker[i].seen);
     }
     mem_free(j->shown);
     mem_free(j->sum);
+    mem_free(j->next);
     mem_free(j->worker);
+}
+
+/* The next sums become those that count. */
+static void turn_over(struct joint *j, bool last)
+{
+    _Atomic int64_t(*old)[4] = j->sum;
+    j->sum = j->next;
+    j->next = last ? NULL : old;
+    if (last)
+        mem_free(old);
+    else
+        memset(old, 0, j->cloud->count * sizeof *old);
 }
 
 enum stp_result fields_fit_together(const struct stp_env *env, const struct fit_cloud *cloud,
@@ -234,15 +276,17 @@ enum stp_result fields_fit_together(const struct stp_env *env, const struct fit_
                        .flat = flat,
                        .shown = mem_zalloc(set->count, sizeof *j.shown),
                        .sum = mem_alloc(cloud->count, sizeof *j.sum),
+                       .next = mem_zalloc(cloud->count, sizeof *j.next),
                        .worker = mem_zalloc(workers, sizeof *j.worker) };
-    bool failed = !j.shown || !j.sum || !j.worker;
+    bool failed = !j.shown || !j.sum || !j.next || !j.worker;
     if (!failed) {
         parallel_for(env, set->count, GRAIN, show_range, &j);
         failed = any_failed(&j, workers);
     }
-    for (int round = 0; round < ROUNDS && !failed; round++) {
-        memset(j.sum, 0, cloud->count * sizeof *j.sum);
+    if (!failed)
         parallel_for(env, set->count, GRAIN, add_range, &j);
+    for (int round = 1; round <= ROUNDS && !failed; round++) {
+        turn_over(&j, round == ROUNDS);
         parallel_for(env, set->count, GRAIN, refit_range, &j);
         failed = any_failed(&j, workers);
     }

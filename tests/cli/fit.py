@@ -110,6 +110,16 @@ class Fit(command.CommandTest):
         splats, _ = self.splats("few.ply")
         self.assertFalse(any(s["field_1"] or s["field_3"] for s in splats))
 
+    def test_alone(self):
+        """The same ellipses, other fields."""
+        self.fit("ball.ply", "few.ply", "--fit", "0.01")
+        self.fit("ball.ply", "alone.ply", "--fit", "0.01", "--fit-alone")
+        pairs = list(zip(self.splats("few.ply")[0], self.splats("alone.ply")[0]))
+        for one, other in pairs:
+            self.assertEqual([one[n] for n in ("x", "y", "z", "radius_u", "radius_v")],
+                             [other[n] for n in ("x", "y", "z", "radius_u", "radius_v")])
+        self.assertTrue(any(one["field_1"] != other["field_1"] for one, other in pairs))
+
     def test_clipped(self):
         """A cube's splats end at its edges; --fit-smooth looks for none."""
         rows = cube()

@@ -70,9 +70,26 @@ static void test_against_hits(void **state)
         params.cull = STP_CULL_BACK;
         compare(scene, &camera, &params, 0.04);
         look_at(&flat, v3(2, 3, 4), v3(0, 0, 0));
+        params.max_error = 1;
         compare(scene, &flat, &params, 0.04);
         stp_scene_destroy(&scene);
     }
+}
+
+/* Splats that span the picture are more than a range's budget: with a bound no block that they
+ * touch is missed all the same. */
+static void test_huge(void **state)
+{
+    struct stp_scene *scene = scene_make(400, 1, 0.1);
+    struct stp_render_params params = { .min_splat = -1, .max_error = 1 };
+    struct stp_camera camera = plain_camera(512, 512, 512);
+    uint32_t seed = 9;
+    for (int i = 0; i < 400; i++)
+        scene_add(scene, v3(0.1 * uniform(&seed), 0.1 * uniform(&seed), -1), v3(0, 0, 1),
+                  i ? 0.2 : 0.48);
+    scene_finish(scene);
+    compare(scene, &camera, &params, 0.04);
+    stp_scene_destroy(&scene);
 }
 
 /* Ellipses of up to 30 : 1, with fields that may face the eye where their normals do not. */
@@ -137,6 +154,10 @@ static void test_sample(void **state)
     assert_true(s.touched == s.pixels);
     assert_true(s.overflow == 0 && s.large == 0);
     survey_release(&s);
+    params.max_error = 1; /* then all are looked at */
+    s = survey_of(scene, &camera, &params, 2);
+    assert_true(s.drawn == 600 * 600);
+    survey_release(&s);
     stp_scene_destroy(&scene);
 }
 
@@ -200,10 +221,10 @@ static void test_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_against_hits), cmocka_unit_test(test_ellipses),
-        cmocka_unit_test(test_threads),      cmocka_unit_test(test_sample),
-        cmocka_unit_test(test_depth),        cmocka_unit_test(test_boundary),
-        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_against_hits), cmocka_unit_test(test_huge),
+        cmocka_unit_test(test_ellipses),     cmocka_unit_test(test_threads),
+        cmocka_unit_test(test_sample),       cmocka_unit_test(test_depth),
+        cmocka_unit_test(test_boundary),     cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -104,6 +104,37 @@ static void mean_follows_the_surface(void **state)
     }
 }
 
+/* `alone` leaves every field as its own members have it: the same splats, a worse mean. */
+static void alone_is_worse(void **state)
+{
+    struct samples s = sample_surface(on_torus, 5000, 15);
+    struct stp_points points = { .count = s.count,
+                                 .position = (const double(*)[3])s.position,
+                                 .normal = (const float(*)[3])s.normal };
+    double error[2][2];
+    size_t count[2][2];
+    for (int flat = 0; flat < 2; flat++)
+        for (int alone = 0; alone < 2; alone++) {
+            struct stp_fit_params params = { .tolerance = TOLERANCE,
+                                             .flat = flat == 1,
+                                             .alone = alone == 1 };
+            struct stp_scene *scene = scene_of(NULL, &points);
+            assert_int_equal(stp_scene_fit(NULL, scene, &params, NULL), STP_OK);
+            count[flat][alone] = scene->splats.count;
+            error[flat][alone] = mean_error(&scene->splats, &s);
+            for (size_t i = 0; flat && i < scene->splats.count; i++)
+                assert_true(scene->splats.phong[i].field[1] == 0 &&
+                            scene->splats.phong[i].field[3] == 0);
+            stp_scene_destroy(&scene);
+        }
+    assert_int_equal(count[0][0], count[0][1]);
+    assert_int_equal(count[0][0], count[1][1]);
+    assert_true(error[0][0] < 0.85 * error[0][1]);
+    assert_true(error[1][0] < 0.95 * error[1][1]);
+    assert_true(error[0][1] < error[1][0]);
+    samples_release(&s);
+}
+
 /* A lone splat has nobody to share with: its field is that of Eq. 3 and 4. */
 static void alone_it_is_the_paper(void **state)
 {
@@ -131,6 +162,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(mean_follows_the_surface),
+        cmocka_unit_test(alone_is_worse),
         cmocka_unit_test(alone_it_is_the_paper),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
