@@ -58,7 +58,8 @@ static void check_pass(const struct stp_plan *plan, const struct plan_pass *pass
     }
     if (pass->kind == PLAN_FILL) { /* with words: of an image they are its first components */
         enum plan_format format = plan->resource[pass->target].format;
-        assert_true(seen[pass->target] && (format == PLAN_BUFFER || format == PLAN_RGBA32UI));
+        bool buffer = format == PLAN_BUFFER || format == PLAN_TEXELS_RG32UI;
+        assert_true(seen[pass->target] && (buffer || format == PLAN_RGBA32UI));
     }
     if (pass->kind == PLAN_ARGUMENTS)
         assert_int_equal(plan->resource[pass->access[0].resource].slot, PLAN_WORK);
