@@ -42,7 +42,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ClipRef { Cl
 
 layout(set = 0, binding = 0, scalar) uniform Frame { stp_frame_constants frame; };
 
-// The order is enum plan_constant (src/plan/plan.h).
+// The order is enum plan_constant (src/plan/constants.h).
 layout(constant_id = 0) const uint K = 1;
 layout(constant_id = 1) const uint VORONOI = 0;   // 0 off, 1 slab, 2 exact
 layout(constant_id = 2) const bool PACKED = false;
@@ -80,6 +80,7 @@ layout(constant_id = 36) const uint AXIS_SHAPE = 0;       // enum axis_shape
 const bool ELLIPSOIDS = AXIS_SHAPE == 1;                 // of range images
 const bool DISCS = AXIS_SHAPE == 2;                      // a surface's splats
 layout(constant_id = 37) const bool CULL_CLUSTERS = false; // pyramid: points, STP_CLUSTER at once
+layout(constant_id = 38) const bool RIM_FAR = false;       // discs reach beyond the pixels beside their own
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

@@ -69,11 +69,22 @@ uint grid_index(uvec2 p)
            i.y * STP_BLOCK + i.x;
 }
 
-// Of the list that pyramid_blocks.comp made.
-uint touched_block(uint index)
+// A pixel that discs from afar may reach yet: it takes the nearest that is before `depth`, an order of
+// depth_order's; STP_RIM_DEPTH: any.
+void open_pixel(uvec2 p, uint depth)
 {
-    uint count = frame.grid_width / STP_BLOCK * (frame.grid_height / STP_BLOCK);
-    return frame.work.v[STP_WORK_FLAGS + count + index];
+    frame.keys.v[grid_index(p)] = packUint2x32(uvec2(STP_RIM_NONE, depth));
+}
+
+uint block_count()
+{
+    return frame.grid_width / STP_BLOCK * (frame.grid_height / STP_BLOCK);
+}
+
+// The word of the open pixels in half a block: its rows 0 to 3, or 4 to 7.
+uint open_word(uint block, uint half_)
+{
+    return STP_WORK_FLAGS + block_count() + 2 * block + half_;
 }
 
 // Arguments of an indirect dispatch grow to so many workgroups.
@@ -81,5 +92,44 @@ void count_groups(uint argument, uint groups)
 {
     atomicMax(frame.work.v[argument], min(groups, STP_ROW));
     atomicMax(frame.work.v[argument + 1], (groups + STP_ROW - 1) / STP_ROW);
+}
+
+// Lists of blocks: those that can hold something (pyramid_blocks.comp), those with pixels to be looked
+// at again, those with open pixels.
+const uint TOUCHED = 0, LOOK = 1, OPEN = 2;
+
+uint list_place(uint list, uint index)
+{
+    return STP_WORK_FLAGS + (STP_WORK_BLOCK_RESET + list) * block_count() + index;
+}
+
+uint listed_block(uint list, uint index)
+{
+    return frame.work.v[list_place(list, index)];
+}
+
+// Puts a block on a list, once.
+void list_block(uint list, uint argument, uint flag, uint block)
+{
+    if ((atomicOr(frame.work.v[STP_WORK_FLAGS + block], flag) & flag) != 0)
+        return;
+    uint slot = atomicAdd(frame.work.v[argument + 3], 1);
+    frame.work.v[list_place(list, slot)] = block;
+    count_groups(argument, slot + 1);
+}
+
+// The open pixels that a thread found in its block.
+void list_open(uint block, uvec2 bits)
+{
+    if ((bits.x | bits.y) == 0)
+        return;
+    atomicOr(frame.work.v[open_word(block, 0)], bits.x);
+    atomicOr(frame.work.v[open_word(block, 1)], bits.y);
+    list_block(OPEN, STP_WORK_OPEN, STP_BLOCK_OPEN, block);
+}
+
+uvec2 open_bit(uint i)
+{
+    return uvec2(i < 32 ? 1u << i : 0, i < 32 ? 0 : 1u << (i - 32));
 }
 #endif

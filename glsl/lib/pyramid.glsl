@@ -18,7 +18,12 @@ struct Texel {
     vec2 center; // pixels
     bool full;   // the surface goes on all over the texel, as far as its points tell
     bool rim;    // pushed, and beside it nothing is: it may reach farther than the points' discs
+    bool exact;  // the disc is one point's
+    bool inside; // pushed, and one point's disc holds all of the texel
 };
+
+// Where sums begin.
+const Texel EMPTY = Texel(0, 0, 0, vec3(0), vec2(0), false, false, false, false);
 
 struct Attributes {
     vec3 color;
@@ -55,9 +60,15 @@ vec2 level_middle(uint level, ivec2 p)
     return (vec2(p + level_origin(level)) + 0.5) * float(1u << level);
 }
 
-Texel texel_unpack(uvec4 u, vec2 middle)
+// Above level 0 the last bits of the displacement say more.
+const uint EXACT = 1u, INSIDE = 0x10000u;
+
+Texel texel_unpack(uint level, uvec4 u, vec2 middle)
 {
     Texel t;
+    t.exact = level == 0 || (u.w & EXACT) != 0;
+    t.inside = level != 0 && (u.w & INSIDE) != 0;
+    u.w &= level == 0 ? ~0u : ~(EXACT | INSIDE);
     vec2 size = unpackHalf2x16(u.y) * frame.radius_unit;
     t.depth = uintBitsToFloat(u.x);
     t.extent = abs(size.x);
@@ -69,11 +80,14 @@ Texel texel_unpack(uvec4 u, vec2 middle)
     return t;
 }
 
-uvec4 texel_pack(Texel t, vec2 middle)
+uvec4 texel_pack(uint level, Texel t, vec2 middle)
 {
+    uint place = packHalf2x16(t.center - middle);
+    if (level != 0)
+        place = (place & ~(EXACT | INSIDE)) | (t.exact ? EXACT : 0) | (t.inside ? INSIDE : 0);
     uint size = packHalf2x16(vec2(t.extent, t.radius) * frame.radius_scale);
     size |= (t.full ? 0x80000000u : 0) | (t.rim ? 0x8000u : 0);
-    return uvec4(floatBitsToUint(t.depth), size, octahedral_encode(t.normal), packHalf2x16(t.center - middle));
+    return uvec4(floatBitsToUint(t.depth), size, octahedral_encode(t.normal), place);
 }
 
 // Texels beyond the level's edge are empty.
@@ -82,7 +96,7 @@ Texel texel_load(uint level, ivec2 p)
     ivec2 size = ivec2(level_size(level));
     bool inside = all(greaterThanEqual(p, ivec2(0))) && all(lessThan(p, size));
     uvec4 u = imageLoad(pyramid, level_place(level, clamp(p, ivec2(0), size - 1)));
-    Texel t = texel_unpack(u, level_middle(level, p));
+    Texel t = texel_unpack(level, u, level_middle(level, p));
     t.depth = inside ? t.depth : NOTHING;
     return t;
 }
@@ -90,7 +104,7 @@ Texel texel_load(uint level, ivec2 p)
 void texel_store(uint level, ivec2 p, Texel t)
 {
     imageStore(pyramid, level_place(level, p),
-               texel_valid(t) ? texel_pack(t, level_middle(level, p))
+               texel_valid(t) ? texel_pack(level, t, level_middle(level, p))
                               : uvec4(floatBitsToUint(NOTHING), 0, 0, 0));
 }
 

@@ -42,6 +42,24 @@ ivec4 disc_box(Texel t, vec2 reach)
     return ivec4(clamp(floor(at - r), vec2(0), last), clamp(floor(at + r), vec2(0), last));
 }
 
+// Open pixels come in words of 8 x 4: those that a box of pixels touches, and of one such word those in
+// the box.
+uvec4 box_words(ivec4 box)
+{
+    return uvec4(box) / uvec4(STP_BLOCK, STP_BLOCK / 2, STP_BLOCK, STP_BLOCK / 2);
+}
+
+uint open_bits(uvec2 word, ivec4 box)
+{
+    uint block = word.y / 2 * (frame.grid_width / STP_BLOCK) + word.x;
+    ivec2 corner = ivec2(word) * ivec2(STP_BLOCK, STP_BLOCK / 2);
+    uvec2 first = uvec2(max(box.xy - corner, ivec2(0)));
+    uvec2 last = uvec2(min(box.zw - corner, ivec2(STP_BLOCK - 1, STP_BLOCK / 2 - 1)));
+    uint row = (0xffu >> (STP_BLOCK - 1 - last.x)) & (0xffu << first.x);
+    uint rows = (0xffffffffu >> (STP_BLOCK * (STP_BLOCK / 2 - 1 - last.y))) & (0xffffffffu << (STP_BLOCK * first.y));
+    return frame.work.v[open_word(block, word.y % 2)] & (row * 0x01010101u) & rows;
+}
+
 // The disc at an empty pixel; `crowd`: it stands for others of its pixel, whose centres may lie so much
 // nearer.
 bool rim_hit(Texel t, float crowd, vec2 q, out float depth)

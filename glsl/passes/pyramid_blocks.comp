@@ -21,7 +21,7 @@ void main()
     if (!touched || block >= size.x * size.y)
         return;
     uint slot = atomicAdd(frame.work.v[STP_WORK_BLOCKS + 3], 1);
-    frame.work.v[STP_WORK_FLAGS + size.x * size.y + slot] = block;
+    frame.work.v[list_place(TOUCHED, slot)] = block;
     count_groups(STP_WORK_BLOCKS, slot + 1);
     count_groups(STP_WORK_LEVEL_1, slot / 4 + 1);
     count_groups(STP_WORK_LEVEL_2, slot / 16 + 1);

@@ -1,15 +1,27 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// MKC 3.1: the attributes of the points that won their pixels become level 0. Of points that stream in
-// chunks, those of this chunk; what earlier ones left stays.
+// MKC 3.1: the attributes of the points that won their pixels become level 0, which starts empty. Of
+// points that stream in chunks, those of this chunk; what earlier ones left stays.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #include "lib/pyramid.glsl"
 layout(local_size_x_id = 22) in;
 layout(set = 0, binding = STP_BINDING_RADII) uniform samplerBuffer point_radii;
+#ifdef FETCHED
+layout(set = 0, binding = STP_BINDING_SLOTS) uniform utextureBuffer key_texels;
+#endif
 
-const Texel EMPTY = Texel(NOTHING, 0, 0, vec3(0), vec2(0), false, false);
+// Of the point that won a pixel. FETCHED: read as texels, which a software device gathers at once where
+// loads through an address take a turn a lane. Neither is always masked.
+uint winner(uint pixel)
+{
+#ifdef FETCHED
+    return texelFetch(key_texels, int(pixel)).x;
+#else
+    return UintRef(uint64_t(frame.keys)).v[2 * pixel];
+#endif
+}
 
 void gather(uvec2 p, uint index, bool found)
 {
@@ -18,14 +30,12 @@ void gather(uvec2 p, uint index, bool found)
     vec2 offset;
     point_load(index, s);
     point_pixel(s, pixel, offset);
-    Texel t;
+    Texel t = EMPTY;
     t.depth = s.center.z;
-    t.extent = 0;
     t.radius = texelFetch(point_radii, int(index)).x;
     t.normal = s.normal;
     t.center = level_middle(0, ivec2(p)) + offset;
     t.full = true;
-    t.rim = false;
     if (!found)
         return;
     texel_store(0, ivec2(p), t);
@@ -46,19 +56,20 @@ void main()
     if (block >= columns * (frame.grid_height / STP_BLOCK))
         return;
     uvec2 corner = uvec2(block % columns, block / columns) * STP_BLOCK;
+    bool some = false;
     for (uint i = gl_LocalInvocationIndex; i < STP_GROUP;) {
         bool found = false;
         uint index = 0;
         uvec2 p = corner;
         for (; i < STP_GROUP && !found; i += gl_WorkGroupSize.x) {
-            // Loads are not always masked.
-            uint id = UintRef(uint64_t(frame.keys)).v[2 * (block * STP_GROUP + min(i, STP_GROUP - 1))];
+            uint id = winner(block * STP_GROUP + min(i, STP_GROUP - 1));
             p = corner + uvec2(i % STP_BLOCK, i / STP_BLOCK);
             found = id - push_first < push_count;
             index = found ? id - push_first : 0;
-            if (id == STP_NO_POINT)
-                texel_store(0, ivec2(p), EMPTY);
         }
         gather(p, index, found);
+        some = some || found;
     }
+    if (some)
+        frame.work.v[STP_WORK_FLAGS + block] = STP_BLOCK_POINTS;
 }

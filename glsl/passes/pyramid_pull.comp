@@ -8,10 +8,16 @@
 #include "lib/pyramid.glsl"
 layout(local_size_x_id = 22) in;
 
+// Neither near nor far cuts the disc.
+bool disc_uncut(Texel t)
+{
+    return t.depth - t.radius >= frame.near_depth && t.depth + t.radius <= frame.far_depth;
+}
+
 void pull(uint level, ivec2 p)
 {
     ivec2 first = 2 * (p + level_origin(level)) - level_origin(level - 1);
-    Texel child[4], mean = Texel(0, 0, 0, vec3(0), vec2(0), false, false);
+    Texel child[4], mean = EMPTY;
     float front = NOTHING, reach = NOTHING, count = 0, full = 0;
     Attributes a = Attributes(vec3(0), STP_NO_ID, 0), frontmost = a;
     for (int i = 0; i < 4; i++)
@@ -26,6 +32,7 @@ void pull(uint level, ivec2 p)
         float w = counts ? 1 : 0;
         count += w;
         full += child[i].full ? w : 0;
+        mean.exact = mean.exact || (counts && child[i].exact && (level > 1 || disc_uncut(child[i])));
         mean.depth += counts ? child[i].depth : 0;
         mean.radius += w * child[i].radius;
         mean.normal += w * child[i].normal;
@@ -38,7 +45,8 @@ void pull(uint level, ivec2 p)
 #endif
     }
     float scale = 1 / count;
-    mean.depth = count > 0 ? mean.depth * scale : NOTHING;
+    mean.depth *= scale;
+    mean.exact = mean.exact && count == 1;
     mean.full = full >= (level == 1 ? 2 : 3);
     mean.radius *= scale;
     mean.center *= scale;
@@ -51,19 +59,33 @@ void pull(uint level, ivec2 p)
         if (counts && !(dot(mean.normal, mean.normal) > 1e-12) && nearest == front)
             mean.normal = child[i].normal;
     }
+    if (!(count > 0)) // the level starts empty
+        return;
     texel_store(level, p, mean);
-    if (count > 0)
-        attributes_store(level, p, Attributes(a.color * scale, frontmost.id, frontmost.object));
+    attributes_store(level, p, Attributes(a.color * scale, frontmost.id, frontmost.object));
 }
 
+// Of level 1: some point fell into the block of the picture that the texel lies in.
+bool below(uvec2 p)
+{
+    uvec2 block = p / (STP_BLOCK / 2);
+    return push_first != 1 || frame.work.v[STP_WORK_FLAGS + block.y * (frame.grid_width / STP_BLOCK) + block.x] != 0;
+}
+
+// A thread's texels up to the next that may have something below it.
 void main()
 {
     uvec2 size = level_size(push_first);
     uint block = workgroup_index(), columns = (size.x + STP_BLOCK - 1) / STP_BLOCK;
     uvec2 corner = uvec2(block % columns, block / columns) * STP_BLOCK;
-    for (uint i = gl_LocalInvocationIndex; i < STP_GROUP; i += gl_WorkGroupSize.x) {
-        uvec2 p = corner + uvec2(i % STP_BLOCK, i / STP_BLOCK);
-        if (all(lessThan(p, size)))
+    for (uint i = gl_LocalInvocationIndex; i < STP_GROUP;) {
+        bool found = false;
+        uvec2 p = corner;
+        for (; i < STP_GROUP && !found; i += gl_WorkGroupSize.x) {
+            p = corner + uvec2(i % STP_BLOCK, i / STP_BLOCK);
+            found = all(lessThan(p, size)) && below(min(p, size - 1)); // loads are not always masked
+        }
+        if (found)
             pull(push_first, ivec2(p));
     }
 }

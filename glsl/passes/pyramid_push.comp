@@ -31,7 +31,7 @@ void main()
         uint at = workgroup_index() * STP_GROUP + i;
         if (at >= count)
             continue;
-        uint block = touched_block(at / each), inner = at % each;
+        uint block = listed_block(TOUCHED, at / each), inner = at % each;
         push(push_first, ivec2(uvec2(block % columns, block / columns) * side +
                                uvec2(inner % side, inner / side)));
     }

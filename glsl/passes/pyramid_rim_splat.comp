@@ -1,7 +1,8 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// A workgroup a point: its disc's depth into the empty pixels that it covers, the nearest wins, ties go
-// to the pixel that comes first. Without 64-bit atomics that takes a pass of its own (NEAREST_ID).
+// A thread a point, or, LARGE, a workgroup: its disc's depth into the open pixels that it covers, the
+// nearest wins, ties go to the pixel that comes first. Without 64-bit atomics that takes a pass of its
+// own (NEAREST_ID).
 #include "lib/common.glsl"
 #ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
@@ -16,12 +17,11 @@ layout(local_size_x_id = 22) in;
 
 void visit(Texel t, float crowd, uint code, uvec2 p)
 {
-    float z;
-    uint at = grid_index(p), state = UintRef(uint64_t(frame.keys)).v[2 * at];
-    bool empty = state >= STP_RIM && state != STP_NO_POINT;
-    if (!rim_hit(t, crowd, rim_position(p), z) || !empty)
+    // To hide a point takes the disc itself.
+    float z, wider = texel_valid(texel_load(0, ivec2(p))) ? 0 : crowd;
+    if (!rim_hit(t, wider, rim_position(p), z))
         return;
-    uint depth = depth_order(z);
+    uint at = grid_index(p), depth = depth_order(z);
 #ifdef WITH_ATOMIC64
     atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | code);
 #elif defined(NEAREST_ID)
@@ -33,17 +33,50 @@ void visit(Texel t, float crowd, uint code, uvec2 p)
 #endif
 }
 
+// Of the list; false: there are no more.
+bool point_of(uint index, uint argument, uint slot, out Texel t, out uint code)
+{
+    bool there = index < frame.work.v[argument + 3];
+    uint from = frame.rim.v[there ? slot : 0];
+    ivec2 p = ivec2(from & 0xffffu, from >> 16);
+    t = texel_load(0, p);
+    code = STP_RIM + uint(p.y) * frame.grid_width + uint(p.x);
+    return there;
+}
+
 void main()
 {
+    Texel t;
+    uint code;
+#ifdef LARGE
     uint index = gl_WorkGroupID.y * STP_ROW + gl_WorkGroupID.x;
-    if (index >= frame.work.v[STP_WORK_RIM + 3])
+    if (!point_of(index, STP_WORK_LARGE, frame.grid_width * frame.grid_height - 1 - index, t, code))
         return;
-    uint from = frame.rim.v[frame.grid_width * frame.grid_height - 1 - index];
-    Texel t = texel_load(0, ivec2(from % frame.grid_width, from / frame.grid_width));
-    float crowd = disc_crowd(t);
+#else
+    uint index = workgroup_index() * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
+    if (!point_of(index, STP_WORK_RIM, index, t, code))
+        return;
+#endif
     ivec4 box = disc_box(t, disc_reach(t));
-    // At most (2 STP_RIM_REACH + 3)^2 / 8 turns: below what lavapipe allows.
-    uint width = uint(box.z - box.x + 1), count = width * uint(box.w - box.y + 1);
-    for (uint i = gl_LocalInvocationIndex; i < count; i += gl_WorkGroupSize.x)
-        visit(t, crowd, STP_RIM + from, uvec2(box.xy) + uvec2(i % width, i / width));
+    uvec4 words = box_words(box);
+    uvec2 size = words.zw - words.xy + 1, at = uvec2(0), step = uvec2(1, 0);
+#ifdef LARGE
+    at = uvec2(gl_LocalInvocationIndex % size.x, gl_LocalInvocationIndex / size.x);
+    step = uvec2(gl_WorkGroupSize.x % size.x, gl_WorkGroupSize.x / size.x);
+#endif
+    // At most (2 STP_RIM_REACH + 3)^2 / 8 turns, or STP_LARGE_AREA: below what lavapipe allows.
+    float crowd = disc_crowd(t);
+    uint bits = 0;
+    uvec2 corner = uvec2(0);
+    while (bits != 0 || at.y < size.y) {
+        for (; bits == 0 && at.y < size.y; at = at.x >= size.x ? uvec2(at.x - size.x, at.y + 1) : at) {
+            bits = open_bits(words.xy + at, box);
+            corner = (words.xy + at) * uvec2(STP_BLOCK, STP_BLOCK / 2);
+            at += step;
+        }
+        uint i = findLSB(bits);
+        if (bits != 0)
+            visit(t, crowd, code, corner + uvec2(i % STP_BLOCK, i / STP_BLOCK));
+        bits &= bits - 1;
+    }
 }

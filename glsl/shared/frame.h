@@ -89,21 +89,28 @@
 #define STP_SUMS_NONE 0x7f8000007ffffffful
 
 /* Words of the work buffer: indirect arguments, then counters, then the block flags and list. */
-#define STP_WORK_LARGE         0 /* x y z count of large splats */
+#define STP_WORK_LARGE         0 /* x y z count of large splats, or of STP_WORK_RIM's large discs */
 #define STP_WORK_BLOCKS        4 /* x y z count of touched blocks */
 #define STP_WORK_LEVEL_1       8 /* x y z: pyramid, texels of level 1 in touched blocks; then level 2 */
 #define STP_WORK_LEVEL_2       12
-#define STP_WORK_EMPTY         16 /* x y z count of pixels that the push left empty */
-#define STP_WORK_RIM           20 /* x y z count of points that may reach one from farther off */
+#define STP_WORK_LOOK          16 /* x y z count of blocks with pixels to be looked at again */
+#define STP_WORK_RIM           20 /* x y z count of points that may reach an empty pixel from afar */
+#define STP_WORK_OPEN          26 /* x y z count of blocks with such pixels */
 #define STP_WORK_REPAIR        8  /* x y z count of small splats that touch an overflowed block */
 #define STP_WORK_REPAIR_L      12
 #define STP_WORK_REPAIR_BLOCKS 16 /* x y z: the touched blocks again; else 0 */
 #define STP_WORK_COLLECT       20 /* x y z: all splats, to find those; else 0 */
 #define STP_WORK_OVERFLOW      24 /* not 0: a pixel's slots overflowed */
 #define STP_WORK_REMAINING     25 /* not 0: rays that are being mended have layers left */
-#define STP_WORK_FLAGS         32 /* a word a block */
+/* A word a block. Pyramid: then two words a block, a bit for each open pixel; then three lists. */
+#define STP_WORK_FLAGS         32
+#define STP_WORK_BLOCK_WORDS   6 /* pyramid: all of these, a block */
+#define STP_WORK_BLOCK_RESET   3 /* those that start as 0 */
 #define STP_BLOCK_TOUCHED      1u
 #define STP_BLOCK_OVERFLOWED   2u
+#define STP_BLOCK_LOOK         1u /* pyramid: it is on the list of STP_WORK_LOOK; so below */
+#define STP_BLOCK_OPEN         2u
+#define STP_BLOCK_POINTS       4u /* pyramid: some point fell into it */
 
 struct stp_light_gpu {
     float position[3]; /* camera frame: a point, or the unit direction towards the light */
@@ -166,7 +173,10 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
     STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
     STP_ADDRESS(Vec4Ref, clusters);      /* pyramid: 2 a cluster: ball; cone of normals */
-    STP_ADDRESS(UintRef, rim);       /* pyramid: empty pixels, then, from the end, those points */
+    STP_ADDRESS(UintRef, rim);       /* pyramid: STP_GROUP words a block, of a thread each: a bit a
+                                        pixel that a disc may cover, from STP_BLOCK on one that a disc
+                                        may hide; then the points of STP_WORK_RIM, large ones from the
+                                        end */
     STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair */
     STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
     STP_ADDRESS(UintRef, key_ids);   /* exact, packed, when ids are needed beside */
@@ -227,6 +237,8 @@ struct stp_frame_constants {
     uint level_row[STP_LEVELS];
     float radius_unit, radius_scale; /* what radii are packed in, and its inverse */
     int block_reach;                 /* blocks beyond a touched one that a disc may reach */
+    int rim_blocks;                  /* and beyond a point's own, that its disc may */
+    uint rim_level;                  /* whose empty texels a mean's disc may reach into, at most */
     float pyramid_floor;             /* least radius on the screen, pixels */
     float pyramid_color;             /* colours are packed times this */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];

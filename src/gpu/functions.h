@@ -79,6 +79,7 @@
     X(vkCmdWriteTimestamp2)                                                                        \
     X(vkCmdPipelineBarrier2)                                                                       \
     X(vkCmdFillBuffer)                                                                             \
+    X(vkCmdClearColorImage)                                                                        \
     X(vkCmdUpdateBuffer)                                                                           \
     X(vkCmdCopyBuffer)                                                                             \
     X(vkCmdCopyImageToBuffer)                                                                      \

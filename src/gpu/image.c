@@ -67,7 +67,8 @@ static VkImageCreateInfo image_info(VkFormat format, uint32_t width, uint32_t he
                                 .usage = format == VK_FORMAT_D32_SFLOAT
                                              ? VK_IMAGE_USAGE_DEPTH_STENCIL_ATTACHMENT_BIT
                                              : VK_IMAGE_USAGE_COLOR_ATTACHMENT_BIT |
-                                                   VK_IMAGE_USAGE_STORAGE_BIT };
+                                                   VK_IMAGE_USAGE_STORAGE_BIT |
+                                                   VK_IMAGE_USAGE_TRANSFER_DST_BIT };
 }
 
 VkMemoryRequirements gpu_image_needs(const struct stp_context *context, VkFormat format,

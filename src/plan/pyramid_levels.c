@@ -81,7 +81,7 @@ static void store3(struct vec3 v, float out[3])
 static struct pyramid_texel point_texel(const struct pyramid *p, int64_t x, int64_t y)
 {
     uint64_t key = p->key[(size_t)y * p->width[0] + (size_t)x];
-    struct pyramid_texel t = { .full = true, .id = (uint32_t)key };
+    struct pyramid_texel t = { .full = true, .exact = true, .id = (uint32_t)key };
     struct placed point;
     double middle[2];
     if (key == PYRAMID_NOTHING || !place(p, t.id, &point))
@@ -178,6 +178,14 @@ static const struct pyramid_texel *frontmost(const struct pyramid_texel child[4]
     return front;
 }
 
+/* Neither near nor far cuts the disc. */
+static bool uncut(const struct pyramid *p, const struct pyramid_texel *t)
+{
+    const struct eye *e = &p->view->eye;
+    double z = (double)t->depth, r = (double)t->radius;
+    return z - r >= e->near_depth && z + r <= e->far_depth;
+}
+
 static struct pyramid_texel mean_of(const struct pyramid *p, unsigned level, int64_t x, int64_t y)
 {
     int64_t fx = 2 * (x + pyramid_origin(p, level, 0)) - pyramid_origin(p, level - 1, 0);
@@ -198,6 +206,7 @@ static struct pyramid_texel mean_of(const struct pyramid *p, unsigned level, int
             continue;
         count++;
         full += c->full;
+        mean.exact = mean.exact || (c->exact && (level > 1 || uncut(p, c)));
         mean.depth += c->depth;
         mean.radius += c->radius;
         normal = v3_add(normal, v3_loadf(c->normal));
@@ -209,6 +218,7 @@ static struct pyramid_texel mean_of(const struct pyramid *p, unsigned level, int
     }
     finish_mean(&mean, normal, count, front->normal);
     mean.full = full >= (level == 1 ? 2 : 3);
+    mean.exact = mean.exact && count <= 1;
     mean.id = front->id;
     for (int k = 0; k < 2; k++)
         mean.center[k] = (float)(center[k] / count);

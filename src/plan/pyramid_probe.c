@@ -12,17 +12,11 @@
 #define ACROSS      (SURVEY_BLOCK / PROBE_CELL) /* places for cells of a block, a side */
 #define NEAR_REACH  1.5
 
-/* A pixel of the probe that nothing covers yet may be reached by discs from afar. */
-struct empty {
-    bool is;
-    double depth; /* of the nearest disc that does */
-};
-
 struct drawing {
     const struct pyramid *p;
     const struct probe *probe;
     struct probe_color *color;
-    struct empty *empty;
+    struct open *open;
     uint32_t *cell_of;     /* of each place where a cell may be, row by row */
     uint32_t across, down; /* such places */
 };
@@ -31,6 +25,14 @@ struct drawing {
 struct shown {
     double depth, normal[3], color[3];
     uint32_t id;
+};
+
+/* A pixel of the probe that discs from afar may reach yet: nothing covers it, or they may hide what
+ * it shows. */
+struct open {
+    bool is, shows, point; /* it shows something; its own point */
+    double depth;          /* of the nearest disc that does; before: of what it shows */
+    struct shown shown;
 };
 
 /* Of probe pixel i: its place in the grid, and in the picture. False: outside. */
@@ -155,7 +157,7 @@ static bool rim_near(const struct drawing *d, const int64_t at[2], const double 
     return isfinite(nearest);
 }
 
-/* A disc of level 0 into the cells that it touches, where nothing is yet. */
+/* A disc of level 0 into the cells that it touches, where they are open. */
 static void reach_cell(const struct drawing *d, uint32_t cell, const struct pyramid_texel *t,
                        double crowd, const double center[2])
 {
@@ -163,11 +165,13 @@ static void reach_cell(const struct drawing *d, uint32_t cell, const struct pyra
         size_t i = (size_t)cell * CELL_PIXELS + k;
         int64_t at[2];
         double q[2], depth;
-        if (!d->empty[i].is || !locate(d, i, at, q) ||
-            !rim_hit(d->p, t, crowd, center, q, &depth) || !(depth < d->empty[i].depth))
+        struct open *o = &d->open[i];
+        if (!o->is || !locate(d, i, at, q) ||
+            !rim_hit(d->p, t, o->point ? 0 : crowd, center, q, &depth) || !(depth < o->depth))
             continue;
-        d->empty[i].depth = depth;
-        struct shown s = rim_surface(d, at, q, t, depth);
+        o->depth = depth;
+        bool hides = !o->shows || o->shown.depth > depth + (double)t->radius;
+        struct shown s = hides ? rim_surface(d, at, q, t, depth) : o->shown;
         show(d, i, &s);
     }
 }
@@ -209,7 +213,7 @@ static void reach_far(const struct drawing *d, int64_t x, int64_t y)
 /* --- a pixel ------------------------------------------------------------------------------------
  */
 
-/* The push of level 0: what the pixel shows. *doubtful: its own point may be hidden yet. */
+/* The push of level 0: what the pixel shows. *doubtful: discs may hide that yet. */
 static bool shade_pixel(const struct drawing *d, const int64_t at[2], const double q[2],
                         struct shown *s, bool *doubtful)
 {
@@ -217,21 +221,23 @@ static bool shade_pixel(const struct drawing *d, const int64_t at[2], const doub
     struct pyramid_texel own = pyramid_load(d->p, 0, at[0], at[1]);
     bool valid = isfinite(own.depth), copied = false;
     struct pyramid_push r = pyramid_push(d->p, 1, at[0], at[1], q, valid);
+    bool there = r.weight > 0 && r.depth >= e->near_depth && r.depth <= e->far_depth;
     *doubtful = false;
     if (valid) {
         double center[2];
         center_of(d->p, &own, at[0], at[1], center);
         struct pyramid_meeting m = pyramid_meet(d->p, &own, center, q);
         *s = shown_point(&own, m.hit ? fmax(m.depth, e->near_depth) : (double)own.depth);
-        copied = !(r.weight > 0 && s->depth > r.reach);
+        copied = !(there && s->depth > r.reach);
         *doubtful = copied && s->depth > r.before;
     }
     if (copied)
         return true;
     bool rim = r.disc.rim && !valid; /* there the points' own discs decide */
-    if (rim || !(r.weight > 0 && r.depth >= e->near_depth && r.depth <= e->far_depth))
+    if (rim || !there)
         return false;
     *s = shown_mean(&r);
+    *doubtful = s->depth > r.before;
     return true;
 }
 
@@ -245,12 +251,17 @@ static void draw_pixel(const struct drawing *d, size_t i)
         return;
     bool hit = shade_pixel(d, at, q, &own, &doubtful);
     bool found = (!hit || doubtful) && rim_near(d, at, q, doubtful, &other, &reach);
-    if (hit && !(doubtful && found && own.depth > reach))
+    bool hidden = !hit || (doubtful && found && own.depth > reach);
+    if (!hidden)
         show(d, i, &own);
     else if (found)
         show(d, i, &other);
-    else
-        d->empty[i] = (struct empty){ true, INFINITY };
+    if (hidden ? !found : doubtful)
+        d->open[i] = (struct open){ .is = true,
+                                    .shows = hit,
+                                    .point = isfinite(pyramid_load(d->p, 0, at[0], at[1]).depth),
+                                    .depth = hit ? own.depth : INFINITY,
+                                    .shown = own };
 }
 
 /* What nothing covers shows what is behind it all, as the truth does where it has nothing. */
@@ -259,7 +270,7 @@ static void begin_pixel(const struct drawing *d, size_t i)
     const struct probe_pixel nothing = { NULL, 0, 0, 0 };
     probe_resolve(d->probe, i, &nothing, d->color[i].color);
     d->color[i].covered = false;
-    d->empty[i].is = false;
+    d->open[i].is = false;
 }
 
 static void draw_all(const struct drawing *d)
@@ -291,13 +302,13 @@ static enum stp_result draw(const struct stp_env *env, const struct probe *probe
     enum stp_result result = pyramid_make(env, plan, &probe->view, &pyramid);
     if (result != STP_OK)
         return result;
-    d.empty = mem_alloc(probe->pixels ? probe->pixels : 1, sizeof *d.empty);
+    d.open = mem_alloc(probe->pixels ? probe->pixels : 1, sizeof *d.open);
     d.cell_of = mem_alloc((size_t)d.across * d.down, sizeof *d.cell_of);
-    if (d.empty && d.cell_of)
+    if (d.open && d.cell_of)
         draw_all(&d);
     else
-        result = log_no_memory(env, probe->pixels * sizeof *d.empty, "drawing a probe");
-    mem_free(d.empty);
+        result = log_no_memory(env, probe->pixels * sizeof *d.open, "drawing a probe");
+    mem_free(d.open);
     mem_free(d.cell_of);
     pyramid_release(&pyramid);
     return result;

@@ -18,6 +18,8 @@ struct pyramid_texel {
     float center[2]; /* from the texel's middle, pixels */
     uint32_t id;     /* of the frontmost */
     bool full, rim;  /* rim: pushed, and beside it nothing is */
+    bool exact;      /* the disc is one point's */
+    bool inside;     /* pushed, and one point's disc holds all of the texel */
 };
 
 struct pyramid {

@@ -4,13 +4,29 @@
 
 #include <string.h>
 
-/* What covers a place, and what hides there. */
+/* The disc holds all of a texel of so many pixels about the place. */
+static bool disc_holds(const struct pyramid *p, const struct pyramid_texel *t, const double q[2],
+                       double side, const struct pyramid_meeting *m)
+{
+    const struct eye *e = &p->view->eye;
+    struct vec3 ray =
+        e->orthographic ? v3(0, 0, 1) : v3((q[0] - e->cx) / e->fx, (q[1] - e->cy) / e->fy, 1);
+    double facing = fabs(v3_dot(v3_loadf(t->normal), v3_unit(ray)));
+    double half = 0.7072 * side * fmax(1 / e->fx, 1 / e->fy);
+    bool even = e->orthographic || half <= 0.2 * facing;
+    double room = m->reach - sqrt(m->away2);
+    return even && room * facing >= 1.25 * half * (e->orthographic ? 1 : m->depth);
+}
+
+/* What covers a place, what hides there, and whether one point's disc holds all of its texel. */
 static void meet_four(const struct pyramid *p, unsigned coarse, const double center[4][2],
                       const struct pyramid_texel t[4], const double q[2], bool hiding,
                       double depth[4], struct pyramid_push *r)
 {
     const struct eye *eye = &p->view->eye;
     double side = (double)(1u << coarse), pixel = fmax(1 / eye->fx, 1 / eye->fy);
+    double below = coarse == 1 ? 0 : side / 2; /* a pixel is its sample */
+    r->disc.inside = t[0].inside;
     r->front = r->reach = r->before = INFINITY;
     for (int i = 0; i < 4; i++) {
         struct pyramid_texel disc = t[i];
@@ -26,6 +42,8 @@ static void meet_four(const struct pyramid *p, unsigned coarse, const double cen
             r->before = fmin(r->before, m.depth + (double)t[i].radius);
         if (!m.hit)
             continue;
+        if (disc.exact && !hiding && disc_holds(p, &disc, q, below, &m))
+            r->disc.inside = true;
         depth[i] = m.depth;
         if (m.depth < r->front)
             r->reach = m.depth + (double)t[i].radius;
@@ -36,6 +54,7 @@ static void meet_four(const struct pyramid *p, unsigned coarse, const double cen
 static void add_share(struct pyramid_push *r, double w, const struct pyramid_texel *t, double depth,
                       const double center[2], const double q[2])
 {
+    r->disc.exact = r->weight > 0 ? false : t->exact;
     r->weight += w;
     r->depth += w * (depth - r->front);
     r->disc.depth += (float)(w * ((double)t->depth - r->front));
@@ -93,8 +112,10 @@ struct pyramid_push pyramid_push(const struct pyramid *p, unsigned coarse, int64
             center[i][k] += (double)t[i].center[k];
     }
     for (int i = 0; i < 4; i++)
-        r.disc.rim = r.disc.rim || t[i].rim || !isfinite(t[i].depth);
+        r.disc.rim =
+            r.disc.rim || (t[i].rim && coarse < p->plan->frame.rim_level) || !isfinite(t[i].depth);
     meet_four(p, coarse, center, t, q, hiding, depth, &r);
+    r.disc.rim = r.disc.rim && !r.disc.inside;
     for (int i = 0; i < 4; i++)
         if (isfinite(depth[i]) && depth[i] <= r.reach)
             add_share(&r, weight[i], &t[i], depth[i], center[i], q);

@@ -38,7 +38,7 @@ static struct scope scope_of(const struct stp_plan *plan, const struct plan_pass
                                                    : VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
                            0 };
     if (access->kind & PLAN_READ)
-        scope.access |= VK_ACCESS_2_SHADER_STORAGE_READ_BIT;
+        scope.access |= VK_ACCESS_2_SHADER_READ_BIT; /* as storage or as texels */
     if (access->kind & PLAN_WRITE)
         scope.access |= VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
     if (pass->kind == PLAN_DISPATCH_INDIRECT && resource->slot == PLAN_WORK) {

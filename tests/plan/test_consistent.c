@@ -56,8 +56,11 @@ static void check_pass(const struct stp_plan *plan, const struct plan_pass *pass
         seen[pass->access[i].resource] = true;
         check_access(plan, pass, &pass->access[i], written);
     }
-    if (pass->kind == PLAN_FILL)
-        assert_true(seen[pass->target] && plan->resource[pass->target].format == PLAN_BUFFER);
+    if (pass->kind == PLAN_FILL) { /* with words: of an image they are its first components */
+        enum plan_format format = plan->resource[pass->target].format;
+        bool buffer = format == PLAN_BUFFER || format == PLAN_TEXELS_RG32UI;
+        assert_true(seen[pass->target] && (buffer || format == PLAN_RGBA32UI));
+    }
     if (pass->kind == PLAN_ARGUMENTS)
         assert_int_equal(plan->resource[pass->access[0].resource].slot, PLAN_WORK);
     if (pass->kind == PLAN_DISPATCH_INDIRECT) {

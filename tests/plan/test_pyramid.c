@@ -10,15 +10,27 @@ static struct inputs pyramid_inputs(void)
     return in;
 }
 
-/* A splat of d pixels at the scene's depth takes ceil(log2 d) + 1 levels; blocks need four. */
+static bool touches(const struct stp_plan *plan, const char *pass, enum plan_slot slot)
+{
+    const struct plan_pass *p = pass_named(plan, pass);
+    bool found = false;
+    for (unsigned i = 0; i < p->access_count; i++)
+        found = found || plan->resource[p->access[i].resource].slot == slot;
+    return found;
+}
+
+/* A splat of d pixels at the scene's depth takes ceil(log2 d) + 1 levels; blocks need four. Only
+ * discs that reach beyond the pixels beside their own are looked for from afar, and only those that
+ * may touch more than STP_LARGE_AREA pixels, seen from their rim, by a workgroup each. */
 static void test_levels(void **state)
 {
     static const struct {
         double diameter;
         uint32_t levels;
-        bool far;
-    } cases[] = { { 0.5, 4, false }, { 1.7, 4, false }, { 2.5, 4, true },  { 7.9, 4, true },
-                  { 8.1, 5, true },  { 100, 8, true },  { 5000, 11, true } };
+        bool far, large;
+    } cases[] = { { 0.5, 4, false, false }, { 1.7, 4, false, false }, { 2.5, 4, true, false },
+                  { 7.9, 4, true, false },  { 8.1, 5, true, false },  { 14.3, 5, true, false },
+                  { 14.5, 5, true, true },  { 100, 8, true, true },   { 5000, 11, true, true } };
     for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct inputs in = pyramid_inputs();
         in.camera = plain_camera(1000, 700, 500); /* the nearest point is at depth 3 */
@@ -26,6 +38,10 @@ static void test_levels(void **state)
         struct stp_plan *plan = plan_of(&in);
         assert_int_equal(plan->levels, cases[i].levels);
         assert_int_equal(pass_named(plan, "rim find") != NULL, cases[i].far);
+        assert_int_equal(pass_named(plan, "rim splat, large") != NULL, cases[i].large);
+        assert_int_equal(plan->constant[PLAN_RIM_FAR], cases[i].far);
+        assert_int_equal(touches(plan, "push 0 and shade", PLAN_KEYS), cases[i].far);
+        assert_int_equal(touches(plan, "rim near", PLAN_KEYS), cases[i].far);
         stp_plan_destroy(&plan);
         release_inputs(&in);
     }
@@ -55,6 +71,7 @@ static void test_only_what_is_needed(void **state)
     plan = plan_of(&in);
     assert_null(resource_named(plan, "pyramid"));
     assert_int_equal(plan->levels, 0);
+    assert_int_equal(plan->constant[PLAN_RIM_FAR], 0);
     stp_plan_destroy(&plan);
     release_inputs(&in);
 }
