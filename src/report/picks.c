@@ -69,7 +69,7 @@ static void pick_row(FILE *out, const struct report *report, const struct report
     fprintf(out, " %s |", report_row_name(row, name));
     fprintf(out, " %s |", report_number(pick->ms, text));
     fprintf(out, " %s |", report_number(row->ms.median, text));
-    fprintf(out, " %s |", report_number(pick->error, text));
+    fprintf(out, " %s%s |", report_number(pick->error, text), pick->met ? "" : ", none is sure");
     fprintf(out, " %s |", report_number(row->error.covered.mean_absolute, text));
     if (!best) {
         fputs(" none | |\n", out);

@@ -9,20 +9,33 @@ static const double bounds[] = { 1e-2, 3e-3, 1e-3, 1e-4, 1e-5 };
 #define BOUNDS (sizeof bounds / sizeof *bounds)
 _Static_assert(BOUNDS <= REPORT_MAX_PICKS, "a report holds all picks");
 
+/* That no method is sure of a bound is what the table says, not a warning. */
+static void log_no_warning(void *user, enum stp_log_level level, const char *line)
+{
+    const struct stp_env *env = user;
+    if (level == STP_LOG_ERROR)
+        log_error(env, STP_ERROR_ARGUMENT, "%s", line);
+    else if (level == STP_LOG_INFO)
+        log_info(env, "%s", line);
+}
+
 /* stp_choose leaves the scene grouped as it chose; the study has groupings of its own. */
 static enum stp_result choose(struct study *study, double bound, struct stp_choice *choice)
 {
     struct stp_scene *scene = study->scene;
+    struct stp_env env = study->quiet;
     struct stp_render_params params = study->params.render;
     struct stp_group_params group = study->params.group;
     uint8_t *kept = scene->splats.group;
     struct stp_grouping facts = scene->facts.grouping;
+    env.log = log_no_warning;
+    env.user = &study->quiet;
     params.max_error = bound;
     params.samples = params.aovs = 0;
     group.overlap = 0;
     scene->splats.group = NULL;
     scene->facts.grouping = (struct stp_grouping){ 0 };
-    enum stp_result result = stp_choose(&study->quiet, scene, study->camera, &group, &params,
+    enum stp_result result = stp_choose(&env, scene, study->camera, &group, &params,
                                         stp_context_limits(study->context), choice);
     mem_free(scene->splats.group);
     scene->splats.group = kept;
