@@ -300,6 +300,8 @@ def main():
     parser.add_argument("--method", default="two-pass")
     parser.add_argument("--rounds", type=int, default=5)
     arguments = parser.parse_args()
+    if arguments.tolerances and arguments.what != "curve":
+        parser.error("--tolerances is of curve")
     if arguments.tolerances:
         arguments.counts = arguments.tolerances
     elif not arguments.counts:

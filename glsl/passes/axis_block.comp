@@ -3,7 +3,7 @@
 // The walks' splats on blocks of pixels, front to back. A thread takes a column of its block and holds
 // its pixels' sums in registers: a splat is fetched once for the column. Walk after walk, merged as
 // each pixel's ray says (HM Eq. 1).
-// PARTS: one walk, AXIS_PART_ENTRIES entries of its list at most, since a device may stop long loops;
+// PARTS: one walk, STP_AXIS_PART entries of its list at most, since a device may stop long loops;
 // sums are kept in memory, and axis_merge.comp merges them.
 // FETCHED: splats come as texels (lib/projected.glsl). A thread fetches by itself what its block's eight
 // all take: a broadcast by subgroup is a loop on a software device, and costs more.

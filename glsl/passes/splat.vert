@@ -91,7 +91,7 @@ void main()
 #if defined(WITH_PHONG)
     const uint encoded = 0;
 #elif defined(BLENDED)
-    uint encoded = floatBitsToUint(material.epsilon * frame.slab_scale);
+    uint encoded = HAS_OBJECTS ? floatBitsToUint(material.epsilon * frame.slab_scale) : 0;
 #else
     uint encoded = PACKED ? normal_encode(s.normal) : 0;
 #endif

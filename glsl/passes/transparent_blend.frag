@@ -21,12 +21,13 @@ layout(location = 1) out vec4 blended;
 #endif
 
 // Slabs of the groups are shifted against each other, so that their seams do not meet. An opaque
-// fragment wins its slab. Where objects have epsilons of their own so have their slabs, which are
-// compared by where they end, in least epsilons: what is nearer by its own epsilon passes.
-float slab_of(float depth)
+// fragment wins its slab, which is a least epsilon thick: nothing behind it may keep it out. Where
+// objects have epsilons of their own so have the slabs of what is transparent, which are compared by
+// where they end, in least epsilons: what is nearer by its own epsilon passes.
+float slab_of(float depth, bool opaque)
 {
     float at = (depth - frame.depth_low) * frame.slab_scale;
-    if (!HAS_OBJECTS)
+    if (!HAS_OBJECTS || opaque)
         return floor(at + push_shift);
     float thick = uintBitsToFloat(vary_thick);
     float end = (floor(at / thick + push_shift) + 1) * thick;
@@ -52,5 +53,5 @@ void main()
         color = surface_mirrors(frame.optics.v[splat_object(vary_id)], color, vary_normal,
                                 ray_direction(pixel_position(p)));
     blended = vec4(color * vary_color.w, vary_color.w);
-    gl_FragDepth = clamp(1 - (slab_of(f.depth) - (opaque ? 0.5 : 0.0)) * frame.raster_slab, 0, 1);
+    gl_FragDepth = clamp(1 - (slab_of(f.depth, opaque) - (opaque ? 0.5 : 0.0)) * frame.raster_slab, 0, 1);
 }

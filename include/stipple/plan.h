@@ -85,7 +85,8 @@ enum stp_feature {
     STP_FEATURE_STORAGE_FORMATS = 32, /* shaderStorageImageExtendedFormats: raster paths */
     STP_FEATURE_SHARED_MEMORY = 64,   /* device memory that the host may write: nothing is staged */
     STP_FEATURE_INDEPENDENT_BLEND = 128, /* independentBlend: transparency fast and nearest */
-    STP_FEATURE_TEXEL_BUFFERS = 256,     /* of 2^27 texels: slots of exact, lists of axis */
+    STP_FEATURE_TEXEL_BUFFERS = 256,     /* of 2^27 texels: slots of exact, lists
+                                            of axis, keys of pyramid */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);

@@ -2,9 +2,10 @@
 
 #include <math.h>
 
-#define CELLS_FEW  256
-#define CELLS_MANY 1536
-#define CELLS_PART 4096 /* of each further look, until all are seen */
+#define CELLS_FEW   256
+#define CELLS_MANY  1536
+#define CELLS_PART  4096  /* of each further look, until all are seen */
+#define CELLS_DRAWN 16384 /* where each look takes a picture of its own, as pyramid's */
 /* An estimate counts as within the bound when it still is this many standard errors higher, and as
  * beyond when it still is that many lower. */
 #define CONFIDENCE 3
@@ -175,9 +176,10 @@ static enum stp_result look_on(struct choosing *c, const struct auto_candidate *
                                struct estimate *e)
 {
     enum stp_result result = STP_OK;
+    uint32_t cells = candidate->way.method == STP_METHOD_PYRAMID ? CELLS_DRAWN : CELLS_PART;
     unsigned parts = 1;
     for (unsigned k = 0; result == STP_OK && k < parts && !(k && settled(c, e, 1)); k++) {
-        const struct probe_sample sample = { CELLS_PART, k, false };
+        const struct probe_sample sample = { cells, k, false };
         struct probe probe;
         struct estimate part;
         result = probe_make(c->env, c->scene, c->camera, &c->params, &c->survey, &sample, &probe);

@@ -61,9 +61,9 @@ static void level_image(struct stp_plan *plan, const char *name, enum plan_slot 
     r->bytes = (uint64_t)width * height * (format == PLAN_RGBA32UI ? 16 : 8);
 }
 
-static bool fetches_keys(const struct stp_plan *plan)
+static bool may_fetch(const struct stp_plan *plan, uint64_t texels)
 {
-    return (plan->limits.features & STP_FEATURE_TEXEL_BUFFERS) != 0;
+    return (plan->limits.features & STP_FEATURE_TEXEL_BUFFERS) && texels <= PLAN_MOST_TEXELS;
 }
 
 static void transient_resources(struct stp_plan *plan)
@@ -83,7 +83,7 @@ static void transient_resources(struct stp_plan *plan)
                     attributes == 2 ? PLAN_RGBA32UI : PLAN_RG32UI, all_width, all_height);
     uint64_t pixels = (uint64_t)width * height, blocks = pixels / STP_GROUP;
     uint8_t keys = plan_resource(plan, "keys", PLAN_KEYS, PLAN_TRANSIENT, pixels * 8);
-    if (fetches_keys(plan))
+    if (may_fetch(plan, pixels))
         plan->resource[keys].format = PLAN_TEXELS_RG32UI;
     plan_resource(plan, "rim", PLAN_RIM, PLAN_TRANSIENT, pixels * 4);
     plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT,
@@ -132,8 +132,9 @@ static void project_all(struct stp_plan *plan)
 
 static void gather(struct stp_plan *plan, unsigned attributes)
 {
+    bool fetched = plan->resource[plan_find(plan, PLAN_KEYS)].format == PLAN_TEXELS_RG32UI;
     enum plan_shader shader =
-        fetches_keys(plan) ? PLAN_SHADER_PYRAMID_GATHER_FETCHED : PLAN_SHADER_PYRAMID_GATHER;
+        fetched ? PLAN_SHADER_PYRAMID_GATHER_FETCHED : PLAN_SHADER_PYRAMID_GATHER;
     struct plan_pass *pass = dispatch(plan, "gather", shader + attributes);
     plan_reads(plan, pass, PLAN_TEXEL_POINTS);
     plan_reads(plan, pass, PLAN_TEXEL_RADII);

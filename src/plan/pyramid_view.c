@@ -50,10 +50,11 @@ static struct outline find_outline(const struct stp_plan *plan)
 }
 
 /* As far as glsl/lib/rim.glsl looks from a point for its disc: that one reaches twice as far at
- * most where its rim is half as far from the eye as its centre. */
+ * most where its rim is half as far from the eye as its centre; the shader knows its radius to
+ * 2^-11. */
 static double rim_reach(double radius)
 {
-    return 2 * radius + MOST_CROWD + 0.5;
+    return 2 * (1 + 0x1p-10) * radius + MOST_CROWD + 0.5;
 }
 
 static uint32_t levels_of(const struct stp_plan *plan, double radius)

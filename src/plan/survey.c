@@ -8,18 +8,18 @@
 #include "shared/frame.h"
 
 #define MOST_SPLATS 131072 /* of larger scenes this many are looked at, about; all with a bound */
-#define RANGE       128    /* groups of neighbours that share a budget */
-#define BUDGET      65536  /* of blocks that a range visits; with a bound none */
+#define RANGE       128    /* groups of neighbours that a thread takes at once */
 #define UNIT        64.0   /* sums are integers in 64ths, so that their order is nothing */
 #define KEPT        8      /* fragments a pixel that exact_resolve keeps in registers */
 
 struct count {
     const struct spot_view *view;
     size_t stride;
-    uint64_t budget; /* blocks that a range visits one by one */
     uint32_t across;
     uint64_t drawn, small_box, large, large_box, fragments;
     uint64_t *mass;
+    uint64_t *edge; /* (across + 1) x (down + 1): how much more, or less (modulo 2^64), the blocks
+                       right of and below each corner have; their sums are the mass */
 };
 
 static void add(uint64_t *sum, uint64_t value)
@@ -27,30 +27,28 @@ static void add(uint64_t *sum, uint64_t value)
     __atomic_fetch_add(sum, value, __ATOMIC_RELAXED);
 }
 
-/* A spot's fragments over the blocks that it touches: all of them while the range's budget lasts,
- * then a grid of at most 8 x 8. */
-static void spread(struct count *count, const struct spot *spot, uint64_t *budget)
+/* A spot's fragments, evenly over the blocks that it touches. */
+static void spread(struct count *count, const struct spot *spot)
 {
     uint32_t bx = spot->x0 / SURVEY_BLOCK, by = spot->y0 / SURVEY_BLOCK;
     uint32_t w = spot->x1 / SURVEY_BLOCK - bx + 1, h = spot->y1 / SURVEY_BLOCK - by + 1;
-    uint32_t nx = w, ny = h;
-    if ((uint64_t)w * h > *budget) {
-        nx = w < 8 ? w : 8;
-        ny = h < 8 ? h : 8;
-    }
-    double each = spot->fragments * (double)count->stride * UNIT / ((double)nx * ny);
+    double each = spot->fragments * (double)count->stride * UNIT / ((double)w * h);
     uint64_t value = (uint64_t)ceil(each);
-    for (uint32_t j = 0; j < ny; j++)
-        for (uint32_t i = 0; i < nx; i++)
-            __atomic_fetch_add(&count->mass[(size_t)(by + (uint64_t)j * h / ny) * count->across +
-                                            bx + (uint64_t)i * w / nx],
-                               value, __ATOMIC_RELAXED);
-    *budget -= (uint64_t)nx * ny < *budget ? (uint64_t)nx * ny : *budget;
+    if (w == 1 && h == 1) {
+        add(&count->mass[(size_t)by * count->across + bx], value);
+        return;
+    }
+    uint64_t *above = &count->edge[by * ((size_t)count->across + 1) + bx];
+    uint64_t *below = above + h * ((size_t)count->across + 1);
+    add(&above[0], value);
+    add(&above[w], -value);
+    add(&below[0], -value);
+    add(&below[w], value);
 }
 
 /* Sums of a range, before they join the others'. */
 struct part {
-    uint64_t drawn, small_box, large, large_box, fragments, budget;
+    uint64_t drawn, small_box, large, large_box, fragments;
 };
 
 /* Returns the pixels of its bounds when a thread draws the splat alone. */
@@ -62,7 +60,7 @@ static uint64_t count_splat(struct count *count, size_t i, struct part *part)
     uint64_t box = (uint64_t)(spot.x1 - spot.x0 + 1) * (spot.y1 - spot.y0 + 1);
     part->drawn++;
     part->fragments += (uint64_t)(spot.fragments * UNIT);
-    spread(count, &spot, &part->budget);
+    spread(count, &spot);
     if (!spot.large)
         return box;
     part->large++;
@@ -74,7 +72,7 @@ static uint64_t count_splat(struct count *count, size_t i, struct part *part)
 static void count_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct count *count = context;
-    struct part part = { .budget = count->budget };
+    struct part part = { 0 };
     size_t n = count->view->scene->splats.count;
     for (size_t g = begin; g < end; g++) {
         size_t first = g * count->stride * SURVEY_LANES;
@@ -90,6 +88,20 @@ static void count_range(void *context, size_t begin, size_t end, unsigned worker
     add(&count->large, part.large);
     add(&count->large_box, part.large_box);
     add(&count->fragments, part.fragments);
+}
+
+/* The edges' sums join the masses. */
+static void sum_edges(const struct count *count, const struct survey *survey)
+{
+    size_t row = (size_t)survey->across + 1;
+    for (uint32_t y = 0; y < survey->down; y++) {
+        uint64_t *edge = &count->edge[y * row], along = 0;
+        for (uint32_t x = 0; x < survey->across; x++) {
+            along += edge[x];
+            edge[x] = along + (y ? edge[x - row] : 0);
+            count->mass[(size_t)y * survey->across + x] += edge[x];
+        }
+    }
 }
 
 static void sum_up(const struct count *count, struct survey *survey)
@@ -122,18 +134,21 @@ enum stp_result survey_make(const struct stp_env *env, const struct stp_scene *s
                            .down = (camera->height + SURVEY_BLOCK - 1) / SURVEY_BLOCK };
     size_t blocks = (size_t)made.across * made.down;
     struct count count = { .view = &view, .stride = stride ? stride : 1, .across = made.across };
-    count.budget = params->max_error > 0 ? UINT64_MAX : BUDGET;
     count.mass = mem_zalloc(blocks, sizeof *count.mass);
+    count.edge = mem_zalloc(blocks + made.across + made.down + 1, sizeof *count.edge);
     made.mass = mem_zalloc(blocks, sizeof *made.mass);
-    if (!count.mass || !made.mass) {
+    if (!count.mass || !count.edge || !made.mass) {
         mem_free(count.mass);
+        mem_free(count.edge);
         mem_free(made.mass);
         return log_no_memory(env, blocks * sizeof *made.mass, "the survey's blocks");
     }
     size_t step = count.stride * SURVEY_LANES;
     parallel_for(env, (n + step - 1) / step, RANGE, count_range, &count);
+    sum_edges(&count, &made);
     sum_up(&count, &made);
     mem_free(count.mass);
+    mem_free(count.edge);
     *survey = made;
     return STP_OK;
 }

@@ -212,7 +212,8 @@ enum stp_result stp_scene_fit(const struct stp_env *env, struct stp_scene *scene
     result = fit(&f);
     if (result == STP_OK)
         result = replace(&f, scene);
-    log_progress(env, "fit", 1);
+    if (result == STP_OK)
+        log_progress(env, "fit", 1);
     patch_set_release(&f.set);
     fit_cloud_release(&f.cloud);
     splats_release(&f.splats);

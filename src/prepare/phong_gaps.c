@@ -84,8 +84,7 @@ static void find_corners(const struct fit_cloud *cloud, uint32_t i, double reach
 /* --- gaps ----------------------------------------------------------------------------------------
  */
 
-/* The splats of a site's holders that are not there yet; returns whether all of those there hold
- * it. */
+/* The splats of a site's holders that are not there yet. */
 static void add_holders(const struct gaps *g, uint32_t site, struct around *all)
 {
     const struct holders *h = &g->holders;
@@ -131,8 +130,9 @@ static void look_around(const struct gaps *g, uint32_t i, struct around *all)
         all->face[k] = face_of(g->splats, all->splat[k], g->cloud->origin);
 }
 
-/* What splat k must grow to, of its size, to hold p with the margin; 0: it does; INFINITY: it
- * cannot. away: of p from its samples. *more: by what length. */
+/* What splat k must grow to, of its size, to hold p with the margin; 0: it reaches as far (p
+ * itself may lie `away` farther off its plane than it shows); INFINITY: it cannot. away: of p from
+ * its samples. *more: by what length. */
 static double growth_for(const struct gaps *g, const struct around *all, unsigned k, struct vec3 p,
                          double away, double *more)
 {

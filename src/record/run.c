@@ -173,7 +173,8 @@ enum stp_result record_again(const struct stp_env *env, struct record_frame *fra
     double view = clock_ms() - start;
     if (result == STP_OK)
         result = record_run(env, frame, scene, NULL, ms, &unused);
-    *ms += view;
+    if (result == STP_OK)
+        *ms += view;
     return result;
 }
 

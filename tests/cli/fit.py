@@ -114,7 +114,9 @@ class Fit(command.CommandTest):
         """The same ellipses, other fields."""
         self.fit("ball.ply", "few.ply", "--fit", "0.01")
         self.fit("ball.ply", "alone.ply", "--fit", "0.01", "--fit-alone")
-        pairs = list(zip(self.splats("few.ply")[0], self.splats("alone.ply")[0]))
+        few, alone = self.splats("few.ply")[0], self.splats("alone.ply")[0]
+        self.assertEqual(len(few), len(alone))
+        pairs = list(zip(few, alone))
         for one, other in pairs:
             self.assertEqual([one[n] for n in ("x", "y", "z", "radius_u", "radius_v")],
                              [other[n] for n in ("x", "y", "z", "radius_u", "radius_v")])

@@ -177,7 +177,7 @@ static void test_fifty_groups(void **state)
     device_close(&device);
 }
 
-/* Opaque; transparent; every third splat opaque. */
+/* Opaque; transparent; every third splat opaque; opaque and painted. */
 static struct stp_scene *veiled_cloud(int kind)
 {
     const size_t count = 60;
@@ -187,7 +187,9 @@ static struct stp_scene *veiled_cloud(int kind)
     for (size_t i = 0; i < count; i++) {
         struct vec3 n = v3_loadf(f->normal[i]);
         scene_add(scene, v3_load(f->position[i]), v3_length(n) > 0 ? n : v3(0, 1, 0), f->radius[i]);
-        if (kind > 0)
+        if (kind == 3)
+            scene_paint(scene, i, (float)(i % 7) / 7, 0.5f, 1);
+        else if (kind > 0)
             scene_fade(scene, i, kind == 1 || i % 3 ? 0.4f : 1);
     }
     scene_finish(scene);
@@ -195,33 +197,55 @@ static struct stp_scene *veiled_cloud(int kind)
     return scene;
 }
 
-/* Slots read through addresses hold the same bits as slots read as texels: opaque, in layers, with
- * some of the splats opaque, packed and by id. */
-static void test_without_texel_buffers(void **state)
+/* A picture with keys or slots read as texels has the same bits as one that reads them through
+ * addresses. */
+static void same_without_texels(struct device *device, const struct stp_scene *scene,
+                                struct stp_render_params p)
+{
+    struct stp_camera camera = hard_view(0, 33, 25);
+    struct stp_plan *fetched = NULL, *plain = NULL;
+    assert_int_equal(device_plan(device, scene, &camera, &p, &fetched), STP_OK);
+    p.mask_features = STP_FEATURE_TEXEL_BUFFERS;
+    assert_int_equal(device_plan(device, scene, &camera, &p, &plain), STP_OK);
+    assert_int_equal(fetched->resource[plan_find(fetched, PLAN_KEYS)].format, PLAN_TEXELS_RG32UI);
+    assert_int_equal(plain->resource[plan_find(plain, PLAN_KEYS)].format, PLAN_BUFFER);
+    struct stp_image *a = device_render_plan(device, scene, fetched);
+    struct stp_image *b = device_render_plan(device, scene, plain);
+    expect_same_bits(a, b, "read as texels, read by address");
+    stp_image_destroy(&a);
+    stp_image_destroy(&b);
+    stp_plan_destroy(&fetched);
+    stp_plan_destroy(&plain);
+}
+
+/* Slots: opaque, in layers, with some of the splats opaque, packed and by id. */
+static void test_slots_without_texel_buffers(void **state)
 {
     struct device device;
     device_open(&device, 0);
-    struct stp_camera camera = hard_view(0, 33, 25);
     for (int i = 0; i < 6; i++) {
         struct stp_scene *scene = veiled_cloud(i / 2);
         struct stp_render_params p = { .aovs = 127,
                                        .min_splat = 4,
                                        .method = STP_METHOD_EXACT,
                                        .payload = i & 1 ? STP_PAYLOAD_ID : STP_PAYLOAD_PACKED };
-        struct stp_plan *fetched = NULL, *plain = NULL;
-        assert_int_equal(device_plan(&device, scene, &camera, &p, &fetched), STP_OK);
-        p.mask_features = STP_FEATURE_TEXEL_BUFFERS;
-        assert_int_equal(device_plan(&device, scene, &camera, &p, &plain), STP_OK);
-        assert_int_equal(fetched->resource[plan_find(fetched, PLAN_KEYS)].format,
-                         PLAN_TEXELS_RG32UI);
-        assert_int_equal(plain->resource[plan_find(plain, PLAN_KEYS)].format, PLAN_BUFFER);
-        struct stp_image *a = device_render_plan(&device, scene, fetched);
-        struct stp_image *b = device_render_plan(&device, scene, plain);
-        expect_same_bits(a, b, "slots as texels, slots by address");
-        stp_image_destroy(&a);
-        stp_image_destroy(&b);
-        stp_plan_destroy(&fetched);
-        stp_plan_destroy(&plain);
+        same_without_texels(&device, scene, p);
+        stp_scene_destroy(&scene);
+    }
+    device_close(&device);
+}
+
+/* The pyramid's keys: without attributes, with colours, with ids. */
+static void test_keys_without_texel_buffers(void **state)
+{
+    struct device device;
+    device_open(&device, 0);
+    for (int i = 0; i < 3; i++) {
+        struct stp_scene *scene = veiled_cloud(i == 1 ? 3 : 0);
+        struct stp_render_params p = { .aovs = i == 2 ? STP_AOV_ID : 0,
+                                       .min_splat = 4,
+                                       .method = STP_METHOD_PYRAMID };
+        same_without_texels(&device, scene, p);
         stp_scene_destroy(&scene);
     }
     device_close(&device);
@@ -237,7 +261,8 @@ int main(void)
         cmocka_unit_test(test_without_storage_formats),
         cmocka_unit_test(test_vertex_layer),
         cmocka_unit_test(test_fifty_groups),
-        cmocka_unit_test(test_without_texel_buffers),
+        cmocka_unit_test(test_slots_without_texel_buffers),
+        cmocka_unit_test(test_keys_without_texel_buffers),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

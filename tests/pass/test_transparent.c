@@ -53,14 +53,17 @@ static void gain_by_layers(const struct stp_image *truth, const struct stp_image
 {
     const float *layers = stp_image_find(truth, "layers")->data.f;
     double of_fast[MOST_LAYERS] = { 0 }, of_nearest[MOST_LAYERS] = { 0 };
-    size_t pixels[MOST_LAYERS] = { 0 };
+    size_t pixels[MOST_LAYERS] = { 0 }, worse = 0, several = 0;
     for (size_t i = 0; i < (size_t)truth->width * truth->height; i++) {
         unsigned k = layers[i] < MOST_LAYERS ? (unsigned)layers[i] : MOST_LAYERS - 1;
-        of_fast[k] += square_error(fast, truth, i);
-        of_nearest[k] += square_error(nearest, truth, i);
+        double a = square_error(fast, truth, i), b = square_error(nearest, truth, i);
+        of_fast[k] += a;
+        of_nearest[k] += b;
         pixels[k]++;
+        several += k >= 2;
+        worse += k >= 2 && sqrt(b) > sqrt(a) + 1.0 / 255;
     }
-    assert_true(pixels[2] >= 5000);
+    assert_true(pixels[2] >= 5000 && worse * 100 <= several);
     for (unsigned k = 2; k < MOST_LAYERS; k++)
         if (pixels[k] >= 50) {
             double gain = 10 * log10(of_fast[k] / of_nearest[k]);
@@ -72,9 +75,10 @@ static void gain_by_layers(const struct stp_image *truth, const struct stp_image
 
 /* Fast errs in the nearest layer and in those behind it, nearest in the latter only. Where the two
  * cancel, fast is better by luck: nearest is off by r, fast by r and a difference e of the other
- * sign, and of a size within (0, 2 r). One sign is as likely as the other, so that at most half of
- * the pixels with such an e, and what half of so many coins may be off, can be worse than fast. All
- * by more than a step of 8 bits. */
+ * sign, and of a size within (0, 2 r). Were one sign as likely as the other, half of the pixels
+ * with such an e would be worse than fast, and by chance a few more. Held of this scene, not proven
+ * of all: docs/results/transparency.md has models where it is 0.9 to 1.4 of that. All by more than
+ * a step of 8 bits. */
 static void worse_by_luck_only(const struct stp_image *truth, const struct stp_image *fast,
                                const struct stp_image *nearest)
 {

@@ -154,12 +154,38 @@ static void epsilons_of_objects(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* A coarse object's opaque disc stands in front of a fine one's veil, within the coarse epsilon. */
+static void opaque_of_a_coarse_object(void **state)
+{
+    struct stp_scene *scene = scene_make(2, 2, EPSILON);
+    scene->objects[1].epsilon = EPSILON / 20;
+    scene_add(scene, v3(0, 0, -5), v3(0, 0, 1), 2);
+    scene_assign(scene, scene_add(scene, v3(0, 0, -5 - EPSILON / 4), v3(0, 0, 1), 2), 1);
+    scene_fade(scene, 0, 1);
+    scene_fade(scene, 1, (float)ALPHA);
+    scene_finish(scene);
+    const struct stp_cover_params whole = { .coverage = 1 };
+    assert_int_equal(stp_scene_cover(&device.env, scene, &whole), STP_OK);
+    struct stp_camera camera = flat_camera(17, 17, 8);
+    struct stp_render_params p = { .min_splat = -1, .transparency = STP_TRANSPARENCY_FAST };
+    for (int way = 0; way < 2; way++) {
+        struct stp_image *image = device_render(&device, scene, &camera, &p);
+        double alpha = (double)stp_image_find(image, "A")->data.f[8 * 17 + 8];
+        double depth = (double)stp_image_find(image, "Z")->data.f[8 * 17 + 8];
+        assert_true(fabs(alpha - 1) <= 1e-6 && fabs(depth - 5) <= EPSILON / 8);
+        p.transparency = STP_TRANSPARENCY_NEAREST;
+        stp_image_destroy(&image);
+    }
+    stp_scene_destroy(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shifted_seams),
         cmocka_unit_test(without_slabs),
         cmocka_unit_test(epsilons_of_objects),
+        cmocka_unit_test(opaque_of_a_coarse_object),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -76,8 +76,8 @@ static void test_against_hits(void **state)
     }
 }
 
-/* Splats that span the picture are more than a range's budget: with a bound no block that they
- * touch is missed all the same. */
+/* Splats that span the picture: no block that they touch is missed, and each adds its share to all
+ * of them. */
 static void test_huge(void **state)
 {
     struct stp_scene *scene = scene_make(400, 1, 0.1);
