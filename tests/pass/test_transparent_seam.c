@@ -123,6 +123,29 @@ static void without_slabs(void **state)
     stp_scene_destroy(&scene);
 }
 
+static void cover(struct stp_scene *scene)
+{
+    const struct stp_cover_params whole = { .coverage = 1 };
+    scene_finish(scene);
+    assert_int_equal(stp_scene_cover(&device.env, scene, &whole), STP_OK);
+}
+
+#define SIDE 17
+/* By fast, then by nearest. */
+static struct stp_image *picture_by(const struct stp_scene *scene, int way)
+{
+    struct stp_camera camera = flat_camera(SIDE, SIDE, 8);
+    struct stp_render_params p = { .min_splat = -1,
+                                   .transparency =
+                                       way ? STP_TRANSPARENCY_NEAREST : STP_TRANSPARENCY_FAST };
+    return device_render(&device, scene, &camera, &p);
+}
+
+static double middle(const struct stp_image *image, const char *name)
+{
+    return (double)stp_image_find(image, name)->data.f[SIDE / 2 * SIDE + SIDE / 2];
+}
+
 /* A layer of twelve discs within a fifth of their object's epsilon, which is twenty times that of
  * the sheet behind them: slabs of the least epsilon would count it up to three times a group. Steps
  * of shifted slabs are a quarter of an epsilon apart, so that one group of four may count it twice.
@@ -136,19 +159,14 @@ static void epsilons_of_objects(void **state)
     scene_assign(scene, scene_add(scene, v3(0, 0, -6), v3(0, 0, 1), 2), 1);
     for (size_t i = 0; i < 13; i++)
         scene_fade(scene, i, (float)ALPHA);
-    scene_finish(scene);
-    const struct stp_cover_params whole = { .coverage = 1 };
-    assert_int_equal(stp_scene_cover(&device.env, scene, &whole), STP_OK);
-    struct stp_camera camera = flat_camera(17, 17, 8);
-    struct stp_render_params p = { .min_splat = -1, .transparency = STP_TRANSPARENCY_FAST };
+    cover(scene);
     for (int way = 0; way < 2; way++) {
-        struct stp_image *image = device_render(&device, scene, &camera, &p);
-        double alpha = (double)stp_image_find(image, "A")->data.f[8 * 17 + 8];
+        struct stp_image *image = picture_by(scene, way);
+        double alpha = middle(image, "A");
         double twice = 1 - pow(1 - ALPHA, 2), thrice = 1 - pow(1 - ALPHA, 3);
         if (getenv("STP_TEST_VERDICTS"))
             print_message("opacity %.4f of two layers\n", alpha);
         assert_true(alpha >= twice - 1e-5 && alpha <= (3 * twice + thrice) / 4 + 1e-5);
-        p.transparency = STP_TRANSPARENCY_NEAREST;
         stp_image_destroy(&image);
     }
     stp_scene_destroy(&scene);
@@ -163,17 +181,11 @@ static void opaque_of_a_coarse_object(void **state)
     scene_assign(scene, scene_add(scene, v3(0, 0, -5 - EPSILON / 4), v3(0, 0, 1), 2), 1);
     scene_fade(scene, 0, 1);
     scene_fade(scene, 1, (float)ALPHA);
-    scene_finish(scene);
-    const struct stp_cover_params whole = { .coverage = 1 };
-    assert_int_equal(stp_scene_cover(&device.env, scene, &whole), STP_OK);
-    struct stp_camera camera = flat_camera(17, 17, 8);
-    struct stp_render_params p = { .min_splat = -1, .transparency = STP_TRANSPARENCY_FAST };
+    cover(scene);
     for (int way = 0; way < 2; way++) {
-        struct stp_image *image = device_render(&device, scene, &camera, &p);
-        double alpha = (double)stp_image_find(image, "A")->data.f[8 * 17 + 8];
-        double depth = (double)stp_image_find(image, "Z")->data.f[8 * 17 + 8];
-        assert_true(fabs(alpha - 1) <= 1e-6 && fabs(depth - 5) <= EPSILON / 8);
-        p.transparency = STP_TRANSPARENCY_NEAREST;
+        struct stp_image *image = picture_by(scene, way);
+        double alpha = middle(image, "A");
+        assert_true(fabs(alpha - 1) <= 1e-6 && fabs(middle(image, "Z") - 5) <= EPSILON / 8);
         stp_image_destroy(&image);
     }
     stp_scene_destroy(&scene);
