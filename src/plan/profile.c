@@ -6,8 +6,9 @@
 #include "plan/offer.h"
 
 /* Nanoseconds, of Mesa's software device on two cores: `tools/bench_auto.py prices`, over ten
- * scanned models beside the calibration's own scenes. Calibration keeps their proportions where its
- * frames do not tell terms apart. */
+ * scanned models beside the calibration's own scenes; the rasteriser's later than the others, at
+ * the level that two-pass by compute had in both fits. Calibration keeps their proportions where
+ * its frames do not tell terms apart. */
 static const double built_in[PLAN_COSTS][PLAN_TERMS] = {
     [PLAN_COST_EXACT_PACKED] = { [PLAN_TERM_SPLATS] = 15.5,
                                  [PLAN_TERM_BOX] = 8.48,
