@@ -7,7 +7,6 @@
 #include "lib/pyramid.glsl"
 #include "lib/push.glsl"
 #define SURFACE_OBJECT(s) surface_object
-#define MATERIAL_KEPT
 uint surface_object;
 #include "lib/shade.glsl"
 #include "lib/own.glsl"
@@ -51,7 +50,6 @@ void main()
     uint index = workgroup_index(), columns = frame.grid_width / STP_BLOCK;
     if (index >= frame.work.v[STP_WORK_BLOCKS + 3])
         return;
-    material_keep();
     uint block = listed_block(TOUCHED, index), again = 0, turn = 1;
     uvec2 open = uvec2(0);
     ivec2 corner = ivec2(block % columns, block / columns) * STP_BLOCK;
