@@ -2,11 +2,14 @@
 """Range images with one frame left out, as Markdown.
 
   tools/bench_range.py --kinect DIR --aloe DIR [--merge blend|sort]
+  tools/bench_range.py --kinect DIR --pictures OUT
 
 kinect: a folder of range images (docs/range.md). Each frame in turn is left out and drawn from the
 others, at its own camera. aloe: a stereo pair (aloeL, aloeR, disparities aloeGT.png of the left); the
 right picture is drawn from the left. PSNR, linear light, over the pixels that every picture of a row
 covers (alpha of a half or more); needs oiiotool. docs/results/range.md was made with it.
+pictures: in their place range_discs.jpg and range_ellipsoids.jpg into the folder OUT, all frames from a
+view that none has: half way from the second to the third, a quarter of a metre to the right.
 """
 import argparse
 import array
@@ -123,8 +126,13 @@ def intrinsics(folder):
     return {key: float(value) for key, value in pairs}
 
 
+def half_pixels(lens):
+    """From centres of pixels at whole numbers to camera files', at +0.5."""
+    return {"fx": lens["fx"], "fy": lens["fy"], "cx": lens["cx"] + 0.5, "cy": lens["cy"] + 0.5}
+
+
 def camera(pose, lens, size):
-    """A camera file of a camera-to-world pose; pixel centres at whole numbers in the lens."""
+    """A camera file of a camera-to-world pose."""
     tx, ty, tz, x, y, z, w = pose
     n = math.sqrt(x * x + y * y + z * z + w * w)
     x, y, z, w = x / n, y / n, z / n, w / n
@@ -169,8 +177,7 @@ def nearest(pose, left):
 
 
 def kinect(source, merge, folder):
-    pose, lens = poses(source), intrinsics(source)
-    lens = {"fx": lens["fx"], "fy": lens["fy"], "cx": lens["cx"] + 0.5, "cy": lens["cy"] + 0.5}
+    pose, lens = poses(source), half_pixels(intrinsics(source))
     names = [name for name, _ in FULL] + ["nearest view alone"]
     print("| left out | pixels | " + " | ".join(names) + " |")
     print("| --- | ---: |" + " ---: |" * len(names))
@@ -220,14 +227,34 @@ def aloe(source, merge, folder):
     row("right from left", truth, draw_all(scene, view, folder, merge, FULL[:3]), 0)
 
 
+def aside(pose, metres):
+    """The same view, moved to its right."""
+    right = camera(pose, {}, (0, 0))["world_to_camera"][0]
+    return [p + metres * r for p, r in zip(pose[:3], right)] + pose[3:]
+
+
+def pictures(source, merge, folder, out):
+    pose, lens = poses(source), half_pixels(intrinsics(source))
+    between = aside([(a + b) / 2 for a, b in zip(pose[1], pose[2])], 0.25)
+    view = write(os.path.join(folder, "view.json"), camera(between, lens, (640, 480)))
+    scene = kinect_scene(source, range(len(pose)), os.path.join(folder, "all.json"))
+    for name, more in (("discs", ["--range-splats", "discs"]), ("ellipsoids", [])):
+        drawn = render(scene, view, os.path.join(folder, "out.exr"), ["--size", "480x360", *more], merge)
+        oiiotool(drawn, "--ch", "R,G,B", "--colorconvert", "linear", "sRGB", "-d", "uint8",
+                 "--compression", "jpeg:90", "-o", os.path.join(out, f"range_{name}.jpg"))
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("--kinect", help="a folder of range images")
     parser.add_argument("--aloe", help="a folder of aloeL.jpg, aloeR.jpg and aloeGT.png")
+    parser.add_argument("--pictures", metavar="OUT", help="a folder for pictures of the room")
     parser.add_argument("--merge", default="blend", choices=["blend", "clip", "single", "sort"])
     arguments = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        if arguments.kinect:
+        if arguments.kinect and arguments.pictures:
+            pictures(os.path.abspath(arguments.kinect), arguments.merge, folder, arguments.pictures)
+        elif arguments.kinect:
             print("\nKinect room, each frame from the others, dB\n")
             kinect(os.path.abspath(arguments.kinect), arguments.merge, folder)
         if arguments.aloe:

@@ -331,11 +331,11 @@ const struct option_spec option_table[] = {
       value_flag, AT(calibrate), NULL, 0, 0, NULL },
     { NULL, VIEW, "mask-feature", 0, "NAME",
       "behave as if the device lacked it: int64-atomics, vertex-layer, float32-blend, int64, "
-      "float64, storage-formats, independent-blend, texel-buffers; may be repeated "
-      "(default: none)",
+      "float64, storage-formats, independent-blend, texel-buffers, subgroup-shuffle; may be "
+      "repeated (default: none)",
       value_features, AT(render.mask_features),
       "names of int64-atomics, vertex-layer, float32-blend, int64, float64, storage-formats, "
-      "independent-blend, texel-buffers with commas between", 0, 0,
+      "independent-blend, texel-buffers, subgroup-shuffle with commas between", 0, 0,
       NULL },
     { NULL, RENDER | REPORT, "validate", 0, NULL,
       "run under the Vulkan validation layers; any message is a failure (default: off)",

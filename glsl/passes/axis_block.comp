@@ -1,13 +1,19 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
-// The walks' splats on blocks of pixels, front to back. A thread takes a column of its block and holds
-// its pixels' sums in registers: a splat is fetched once for the column. Walk after walk, merged as
-// each pixel's ray says (HM Eq. 1).
+// The walks' splats on blocks of pixels, front to back. Eight threads are a block; each takes a part of
+// a column and holds its pixels' sums in registers. Walk after walk, merged as each pixel's ray says
+// (HM Eq. 1).
 // PARTS: one walk, STP_AXIS_PART entries of its list at most, since a device may stop long loops;
 // sums are kept in memory, and axis_merge.comp merges them.
 // FETCHED: splats come as texels (lib/projected.glsl). A thread fetches by itself what its block's eight
-// all take: a broadcast by subgroup is a loop on a software device, and costs more.
+// all take.
+// SHUFFLED: a block's threads are a subgroup. Each fetches one splat of a turn, and all take the eight
+// from each other: on a software device that is one instruction a word, where a broadcast is a loop.
 #include "lib/common.glsl"
+#ifdef SHUFFLED
+#extension GL_KHR_shader_subgroup_basic : require
+#extension GL_KHR_shader_subgroup_shuffle : require
+#endif
 #include "lib/pixel.glsl"
 #include "lib/axis.glsl"
 #include "lib/axis_output.glsl"
@@ -15,7 +21,8 @@
 #include "lib/gaussian.glsl"
 layout(local_size_x = STP_GROUP) in;
 
-const uint COLUMNS = STP_BLOCK, ROWS = STP_AXIS_ROWS;
+const uint THREADS = 8;             // of a block
+const uint ROWS = STP_AXIS_ROWS;    // pixels of a thread
 const uint TURN = 8;                // entries a turn of the loop
 // Of a picture's whole: what less light adds is left out. In sorted order that is below rounding;
 // orders along axes are off by far more than 2^-17 (docs/results/axis.md).
@@ -35,6 +42,7 @@ struct Splat {
     GaussianWords words; // of a surface's
 };
 
+// known false: it shall have no fragment.
 Splat fetch(uint entry, bool known)
 {
     uint id = order_at(entry);
@@ -68,19 +76,78 @@ float alpha_of(Splat s, Ray ray, out float depth)
     return axis_alpha(ray, s.place.xyz, s.place.w, depth);
 }
 
+// Entry n of a list counted from its end, where the nearest lies.
+Splat fetch_at(uint end, uint n, uint count)
+{
+    return fetch(max(end, n + 1) - n - 1, n < count);
+}
+
+#ifdef SHUFFLED
+uint thread()
+{
+    return gl_SubgroupID * THREADS + gl_SubgroupInvocationID;
+}
+
+Splat from_thread(Splat s, uint k)
+{
+    if (DISCS) {
+        s.words.head = subgroupShuffle(s.words.head, k);
+        s.words.s = subgroupShuffle(s.words.s, k);
+        s.words.t = subgroupShuffle(s.words.t, k);
+        s.words.v = subgroupShuffle(s.words.v, k);
+        if (PHONG == 2) {
+            s.words.clip[0] = subgroupShuffle(s.words.clip[0], k);
+            s.words.clip[1] = subgroupShuffle(s.words.clip[1], k);
+        }
+        s.color = gaussian_color(s.words);
+        return s;
+    }
+    s.place = subgroupShuffle(s.place, k);
+    s.color = subgroupShuffle(s.color, k);
+    if (ELLIPSOIDS) {
+        s.r = subgroupShuffle(s.r, k);
+        s.s = subgroupShuffle(s.s, k);
+    }
+    return s;
+}
+
+bool any_thread(bool still)
+{
+    uint any = still ? 1 : 0;
+    [[unroll]] for (uint d = 1; d < THREADS; d *= 2)
+        any |= subgroupShuffle(any, gl_SubgroupInvocationID ^ d);
+    return any != 0;
+}
+#else
+uint thread()
+{
+    return gl_LocalInvocationIndex;
+}
+#endif
+
 // The nearest entry comes last in a list: from `end` backwards. dark: of each pixel, light that is
 // too little to go on for.
 void take(uint end, uint count, const Ray ray[STP_AXIS_ROWS], const float dark[STP_AXIS_ROWS],
           inout Sums sums)
 {
     bool still = true;
-    float left[STP_AXIS_ROWS] = float[](0, 0, 0, 0); // light of pixels that are dark
+    float left[STP_AXIS_ROWS]; // light of pixels that are dark
+    [[unroll]] for (uint i = 0; i < ROWS; i++)
+        left[i] = 0;
     for (uint n = 0; n < count && still; n += TURN) {
+#ifdef SHUFFLED
+        Splat mine = fetch_at(end, n + gl_SubgroupInvocationID, count);
+#else
         Splat next[TURN]; // all before the first is needed: loads wait side by side
         [[unroll]] for (uint k = 0; k < TURN; k++)
-            next[k] = fetch(max(end, n + k + 1) - n - k - 1, n + k < count);
+            next[k] = fetch_at(end, n + k, count);
+#endif
         [[unroll]] for (uint k = 0; k < TURN; k++) {
+#ifdef SHUFFLED
+            Splat s = from_thread(mine, k);
+#else
             Splat s = next[k];
+#endif
             [[unroll]] for (uint i = 0; i < ROWS; i++) {
                 float depth;
                 float w = sums.color[i].w * alpha_of(s, ray[i], depth);
@@ -95,6 +162,9 @@ void take(uint end, uint count, const Ray ray[STP_AXIS_ROWS], const float dark[S
             sums.color[i].w = lit ? sums.color[i].w : 0;
             still = still || lit;
         }
+#ifdef SHUFFLED
+        still = any_thread(still); // none leaves a loop in which others take from it
+#endif
     }
     [[unroll]] for (uint i = 0; i < ROWS; i++)
         sums.color[i].w += left[i];
@@ -103,8 +173,8 @@ void take(uint end, uint count, const Ray ray[STP_AXIS_ROWS], const float dark[S
 // The list of a walk: its end and length.
 void find(uint walk, uvec2 pixel, out uint end, out uint count)
 {
-    uint list = (walk * frame.axis.blocks_y + pixel.y / ROWS) * frame.axis.blocks_x +
-                pixel.x / COLUMNS;
+    uint list = (walk * frame.axis.blocks_y + pixel.y / STP_AXIS_HEIGHT) * frame.axis.blocks_x +
+                pixel.x / STP_AXIS_WIDTH;
     end = frame.counts.v[list + 1];
     count = end - frame.counts.v[list];
 }
@@ -173,12 +243,13 @@ void walk(uvec2 p, const Ray ray[STP_AXIS_ROWS])
 
 void main()
 {
-    const uint bands = STP_BLOCK / ROWS; // of one block of the picture
-    uint block = workgroup_index() * (STP_GROUP / COLUMNS) + gl_LocalInvocationIndex / COLUMNS;
-    uint column = gl_LocalInvocationIndex % COLUMNS;
-    if (block >= frame.blocks_x * frame.blocks_y * bands)
+    const uint of_block = STP_BLOCK * STP_BLOCK / (STP_AXIS_WIDTH * STP_AXIS_HEIGHT); // the picture's
+    uint block = workgroup_index() * (STP_GROUP / THREADS) + thread() / THREADS;
+    uint across = frame.blocks_x * (STP_BLOCK / STP_AXIS_WIDTH), t = thread() % THREADS;
+    if (block >= frame.blocks_x * frame.blocks_y * of_block)
         return;
-    uvec2 p = uvec2(block % frame.blocks_x * COLUMNS + column, block / frame.blocks_x * ROWS);
+    uvec2 p = uvec2(block % across * STP_AXIS_WIDTH + t % STP_AXIS_WIDTH,
+                    block / across * STP_AXIS_HEIGHT + t / STP_AXIS_WIDTH * ROWS);
     Ray ray[STP_AXIS_ROWS];
     [[unroll]] for (uint i = 0; i < ROWS; i++) {
         vec2 pixel = vec2(p.x, p.y + i) + vec2(frame.tile_x, frame.tile_y);

@@ -59,5 +59,5 @@ void main()
         color = shade_at(frame.materials.v[0], color, n, c);
     }
     frame.projected.v[2 * i] = vec4(c, log2(place.w));
-    frame.projected.v[2 * i + 1] = vec4(color, 0);
+    frame.projected.v[2 * i + 1] = vec4(color, 1); // 1: a kernel, for axis_splat.vert
 }

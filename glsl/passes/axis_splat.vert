@@ -62,26 +62,34 @@ vec2 around_box(vec3 c, vec3 h, uint corner)
     return low + vec2(corner == 1 ? 2 : 0, corner == 2 ? 2 : 0) * (high - low);
 }
 
+// A software device fills up its vectors of vertices with lanes that load zeros. Off the screen, or a
+// NaN, one of them would send the whole batch through the clipper: they stay in its middle.
+const vec4 NOWHERE = vec4(0, 0, 0.5, 1);
+
 void main()
 {
     uint id = frame.order.v[push_first + gl_VertexIndex / 3], corner = gl_VertexIndex % 3;
     Ellipsoid e;
+    bool known;
     if (ELLIPSOIDS) {
         e = ellipsoid_load(id, vary_color);
+        known = e.extent.x > 0;
     } else {
         vec4 place = frame.projected.v[2 * id];
         e.centre = place.xyz;
         e.tau = place.w;
         e.extent = vec3(frame.axis.extent[0], frame.axis.extent[1], frame.axis.extent[2]);
         e.r = e.s = vec3(0);
-        vary_color = frame.projected.v[2 * id + 1].xyz;
+        vec4 look = frame.projected.v[2 * id + 1];
+        vary_color = look.xyz;
+        known = look.w > 0;
     }
     vec3 h = e.extent;
     float least = e.centre.z - h.z, bend = max(h.x, max(h.y, h.z)) / max(least, 1e-30);
     bool simple = ORTHOGRAPHIC || (least > frame.near_depth && bend < NEAR);
-    gl_Position =
-        to_clip(simple ? around_ellipse(e.centre, form_at(e), corner, ORTHOGRAPHIC ? 0 : bend)
-                       : around_box(e.centre, h, corner));
+    vec4 place = to_clip(simple ? around_ellipse(e.centre, form_at(e), corner, ORTHOGRAPHIC ? 0 : bend)
+                                : around_box(e.centre, h, corner));
+    gl_Position = known ? place : NOWHERE;
     vary_place = vec4(e.centre, e.tau);
     vary_r = e.r;
     vary_s = e.s;

@@ -65,7 +65,9 @@
 #define STP_BINDING_POINTS     8
 #define STP_BINDING_RADII      9
 #define STP_AXIS_PART          262144u /* entries of a block's list that one pass takes */
-#define STP_AXIS_ROWS          4       /* pixels of a block's column: blocks are 8 x 4 */
+#define STP_AXIS_WIDTH         4       /* of a block of pixels, which eight threads share */
+#define STP_AXIS_HEIGHT        4
+#define STP_AXIS_ROWS          (STP_AXIS_WIDTH * STP_AXIS_HEIGHT / 8) /* pixels of a thread */
 #define STP_AXIS_REACH         3.0     /* of kernels, in deviations */
 #define STP_AXIS_LEAST_ALPHA   1e-4    /* of a fragment */
 #define STP_AXIS_MERGE_BLEND   0
@@ -157,7 +159,7 @@ struct stp_axis_gpu {
     float h;
     uint merge;              /* STP_AXIS_MERGE_* */
     uint splats;             /* all kernels */
-    uint blocks_x, blocks_y; /* compute: of 8 x STP_AXIS_ROWS, of the whole picture */
+    uint blocks_x, blocks_y; /* compute: of the whole picture */
     uint walk[6];            /* axis; + 4: rays run against it */
 };
 

@@ -87,6 +87,7 @@ enum stp_feature {
     STP_FEATURE_INDEPENDENT_BLEND = 128, /* independentBlend: transparency fast and nearest */
     STP_FEATURE_TEXEL_BUFFERS = 256,     /* of 2^27 texels: slots of exact, lists
                                             of axis, keys of pyramid */
+    STP_FEATURE_SUBGROUP_SHUFFLE = 512,  /* of 8 threads: blocks of axis */
 };
 /* "int64-atomics", ...: in profiles and for --mask-feature. NULL: no such feature. */
 STP_API const char *stp_feature_name(enum stp_feature feature);

@@ -69,6 +69,15 @@ static void survey_memory(const struct gpu_instance *instance, VkPhysicalDevice 
         limits->features |= STP_FEATURE_SHARED_MEMORY;
 }
 
+/* Of the size that compute shaders get unless they ask for another. */
+static bool shuffles_by_eight(const VkPhysicalDeviceVulkan11Properties *p)
+{
+    const VkSubgroupFeatureFlags needed =
+        VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
+    return p->subgroupSize == 8 && (p->subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+           (p->subgroupSupportedOperations & needed) == needed;
+}
+
 bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice device,
                        struct stp_device_info *info)
 {
@@ -101,6 +110,8 @@ bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice dev
     survey_memory(instance, device, l);
     if (p.properties.limits.maxTexelBufferElements >= PLAN_MOST_TEXELS)
         l->features |= STP_FEATURE_TEXEL_BUFFERS;
+    if (shuffles_by_eight(&v11))
+        l->features |= STP_FEATURE_SUBGROUP_SHUFFLE;
     return info->usable;
 }
 

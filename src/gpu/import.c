@@ -73,8 +73,8 @@ static enum stp_result survey(const struct stp_env *env, const struct stp_import
         gpu_features_enabled(env, import->features, info.limits.device, &enabled);
     if (result != STP_OK)
         return result;
-    const unsigned not_of_the_chain =
-        STP_FEATURE_FLOAT32_BLEND | STP_FEATURE_SHARED_MEMORY | STP_FEATURE_TEXEL_BUFFERS;
+    const unsigned not_of_the_chain = STP_FEATURE_FLOAT32_BLEND | STP_FEATURE_SHARED_MEMORY |
+                                      STP_FEATURE_TEXEL_BUFFERS | STP_FEATURE_SUBGROUP_SHUFFLE;
     context->limits = info.limits;
     context->limits.features &= enabled | not_of_the_chain;
     context->limits.features &= ~import->mask_features;

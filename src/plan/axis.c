@@ -14,7 +14,7 @@
 
 #define DEFAULT_H   0.85 /* HM 5.2 */
 #define MOST_PASSES 64   /* over blocks: parts of walks */
-_Static_assert(AXIS_BLOCK_WIDTH == STP_BLOCK && AXIS_BLOCK_HEIGHT == STP_AXIS_ROWS &&
+_Static_assert(AXIS_BLOCK_WIDTH == STP_AXIS_WIDTH && AXIS_BLOCK_HEIGHT == STP_AXIS_HEIGHT &&
                    MOST_PASSES + 2 <= PLAN_MAX_PASSES,
                "blocks");
 _Static_assert(STP_AXIS_REACH == KERNEL_REACH && STP_AXIS_LEAST_ALPHA == LEAST_ALPHA, "kernels");
@@ -183,9 +183,8 @@ static struct plan_pass *block_pass(struct stp_plan *plan, enum plan_shader shad
                                     const char *name)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
-    uint64_t blocks = plan_pixels(plan) / (STP_BLOCK * STP_AXIS_ROWS);
-    pass->shader = shader + is_fetched(plan);
-    pass->groups = (uint32_t)(blocks / (STP_GROUP / STP_BLOCK)) + 1;
+    pass->shader = shader;
+    pass->groups = (uint32_t)(plan_pixels(plan) / (STP_GROUP * STP_AXIS_ROWS)) + 1;
     plan_reads(plan, pass, PLAN_PROJECTED);
     plan_reads(plan, pass, PLAN_ORDER);
     plan_reads(plan, pass, PLAN_COUNTS);
@@ -197,7 +196,8 @@ static void block_walk(struct stp_plan *plan, unsigned index)
     char name[40];
     name_walk(plan, index, name, sizeof name);
     for (uint32_t part = 0; part < parts_of(plan); part++) {
-        struct plan_pass *pass = block_pass(plan, PLAN_SHADER_AXIS_BLOCK_PART, name);
+        struct plan_pass *pass =
+            block_pass(plan, PLAN_SHADER_AXIS_BLOCK_PART + is_fetched(plan), name);
         pass->layer = index;
         pass->part = part;
         plan_updates(plan, pass, PLAN_AXIS_SUMS);
@@ -259,10 +259,16 @@ static void compute_in_parts(struct stp_plan *plan)
     merge(plan, PLAN_SHADER_AXIS_MERGE_SUMS);
 }
 
+/* A splat is fetched once for the eight threads of a block where they can pass it on. */
 static void compute(struct stp_plan *plan)
 {
+    bool shuffled = (plan->limits.features & STP_FEATURE_SUBGROUP_SHUFFLE) != 0;
     project(plan);
-    write_picture(plan, block_pass(plan, PLAN_SHADER_AXIS_BLOCK, "walks"));
+    write_picture(plan, block_pass(plan,
+                                   !is_fetched(plan) ? PLAN_SHADER_AXIS_BLOCK
+                                   : shuffled        ? PLAN_SHADER_AXIS_BLOCK_SHUFFLED
+                                                     : PLAN_SHADER_AXIS_BLOCK_FETCHED,
+                                   "walks"));
 }
 
 void plan_axis_resources(struct stp_plan *plan)
@@ -309,5 +315,5 @@ void plan_axis_forget(struct stp_plan *plan)
     lists->span = NULL;
     for (int a = 0; a < 3; a++)
         lists->sheets[a] = (struct axis_sheets){ 0 };
-    plan->axis_blocks.first = plan->axis_blocks.entry = NULL;
+    plan->axis_blocks.first = plan->axis_blocks.entry = plan->axis_blocks.cursor = NULL;
 }

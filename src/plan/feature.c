@@ -19,6 +19,8 @@ const char *stp_feature_name(enum stp_feature feature)
         return "shared-memory";
     case STP_FEATURE_TEXEL_BUFFERS:
         return "texel-buffers";
+    case STP_FEATURE_SUBGROUP_SHUFFLE:
+        return "subgroup-shuffle";
     case STP_FEATURE_INDEPENDENT_BLEND:
         return "independent-blend";
     }

@@ -15,7 +15,8 @@ void stp_limits_lavapipe(struct stp_limits *limits)
         .features = STP_FEATURE_INT64_ATOMICS | STP_FEATURE_VERTEX_LAYER |
                     STP_FEATURE_FLOAT32_BLEND | STP_FEATURE_INT64 | STP_FEATURE_FLOAT64 |
                     STP_FEATURE_STORAGE_FORMATS | STP_FEATURE_SHARED_MEMORY |
-                    STP_FEATURE_INDEPENDENT_BLEND | STP_FEATURE_TEXEL_BUFFERS,
+                    STP_FEATURE_INDEPENDENT_BLEND | STP_FEATURE_TEXEL_BUFFERS |
+                    STP_FEATURE_SUBGROUP_SHUFFLE,
         .heap_bytes = (uint64_t)1 << 31,
         .max_allocation = (uint64_t)1 << 31,
         .max_image_size = 16384,

@@ -12,9 +12,8 @@
 
 struct blocking {
     const struct axis_lists *lists;
-    struct axis_blocks *blocks;
-    uint32_t *cursor; /* walks x RUNS x blocks: counts, then where to write next */
-    bool fill;
+    const struct axis_blocks *blocks; /* cursor: walks x RUNS x blocks */
+    uint32_t *entry;                  /* NULL: they are counted */
 };
 
 /* entry NULL: counts only. Kernels lie apart in memory where sheets are across x or y. */
@@ -47,27 +46,25 @@ static void enter_runs(void *context, size_t begin, size_t end, unsigned worker)
         size_t length = (walk->count + RUNS - 1) / RUNS, run = n % RUNS;
         size_t from = run * length < walk->count ? run * length : walk->count;
         size_t to = from + length < walk->count ? from + length : walk->count;
-        uint32_t *cursor = b->cursor + n * blocks;
+        uint32_t *cursor = b->blocks->cursor + n * blocks;
         unsigned bit = axis_walk_bit(walk);
-        if (b->fill)
-            enter_run(b->lists, bit, walk->first + from, walk->first + to, cursor,
-                      b->blocks->entry);
+        if (b->entry)
+            enter_run(b->lists, bit, walk->first + from, walk->first + to, cursor, b->entry);
         else
             enter_run(b->lists, bit, walk->first + from, walk->first + to, cursor, NULL);
     }
 }
 
 /* Counts to places, block by block and run by run within a block. */
-static void place_runs(struct blocking *b)
+static void place_runs(struct axis_blocks *blocks, size_t walks)
 {
-    struct axis_blocks *blocks = b->blocks;
-    size_t count = (size_t)blocks->across * blocks->down, walks = b->lists->walk_count;
+    size_t count = (size_t)blocks->across * blocks->down;
     blocks->count = blocks->longest = blocks->fullest = 0;
     for (size_t n = 0; n < walks * count; n++) {
         size_t before = blocks->count;
         blocks->first[n] = (uint32_t)before;
         for (size_t run = 0; run < RUNS; run++) {
-            uint32_t *cursor = &b->cursor[(n / count * RUNS + run) * count + n % count];
+            uint32_t *cursor = &blocks->cursor[(n / count * RUNS + run) * count + n % count];
             uint32_t own = *cursor;
             *cursor = (uint32_t)blocks->count;
             blocks->count += own;
@@ -101,39 +98,54 @@ static enum stp_result make_room(const struct stp_env *env, uint32_t **array, si
     return *array ? STP_OK : log_no_memory(env, count * sizeof **array, "the blocks' lists");
 }
 
-static enum stp_result enter(const struct stp_env *env, struct blocking *b)
+static enum stp_result count_blocks(const struct stp_env *env, const struct axis_lists *lists,
+                                    struct axis_blocks *blocks)
 {
-    struct axis_blocks *blocks = b->blocks;
-    size_t walks = b->lists->walk_count;
-    parallel_for(env, walks * RUNS, 1, enter_runs, b);
-    place_runs(b);
+    size_t walks = lists->walk_count, count = walks * (size_t)lists->blocks_x * lists->blocks_y;
+    struct blocking b = { lists, blocks, NULL };
+    blocks->across = lists->blocks_x;
+    blocks->down = lists->blocks_y;
+    enum stp_result result = make_room(env, &blocks->first, &blocks->lists, count + 1);
+    if (result == STP_OK)
+        result = make_room(env, &blocks->cursor, &blocks->cursors, RUNS * count + 1);
+    if (result != STP_OK)
+        return result;
+    memset(blocks->cursor, 0, RUNS * count * sizeof *blocks->cursor);
+    parallel_for(env, walks * RUNS, 1, enter_runs, &b);
+    place_runs(blocks, walks);
     find_fullest(blocks, walks);
     if (blocks->count > UINT32_MAX)
         return log_error(env, STP_ERROR_MEMORY, "%zu splats in the blocks' lists: at most 2^32 - 1",
                          blocks->count);
-    enum stp_result result = make_room(env, &blocks->entry, &blocks->room, blocks->count);
-    b->fill = true;
-    if (result == STP_OK)
-        parallel_for(env, walks * RUNS, 1, enter_runs, b);
+    return STP_OK;
+}
+
+enum stp_result axis_blocks_count(const struct stp_env *env, const struct axis_lists *lists,
+                                  struct axis_blocks *blocks)
+{
+    enum stp_result result = count_blocks(env, lists, blocks);
+    if (result != STP_OK)
+        axis_blocks_release(blocks);
     return result;
+}
+
+void axis_blocks_fill(const struct stp_env *env, const struct axis_lists *lists,
+                      struct axis_blocks *blocks, uint32_t *entry)
+{
+    struct blocking b = { lists, blocks, entry };
+    if (blocks->count > 0)
+        parallel_for(env, lists->walk_count * RUNS, 1, enter_runs, &b);
 }
 
 enum stp_result axis_blocks_update(const struct stp_env *env, const struct axis_lists *lists,
                                    struct axis_blocks *blocks)
 {
-    size_t count = lists->walk_count * (size_t)lists->blocks_x * lists->blocks_y;
-    struct blocking b = { .lists = lists,
-                          .blocks = blocks,
-                          .cursor = mem_zalloc(RUNS * count + 1, sizeof *b.cursor) };
-    blocks->across = lists->blocks_x;
-    blocks->down = lists->blocks_y;
-    enum stp_result result = make_room(env, &blocks->first, &blocks->lists, count + 1);
-    if (!b.cursor)
-        result = log_no_memory(env, RUNS * count * sizeof *b.cursor, "the blocks' lists");
+    enum stp_result result = count_blocks(env, lists, blocks);
     if (result == STP_OK)
-        result = enter(env, &b);
-    mem_free(b.cursor);
-    if (result != STP_OK)
+        result = make_room(env, &blocks->entry, &blocks->room, blocks->count);
+    if (result == STP_OK)
+        axis_blocks_fill(env, lists, blocks, blocks->entry);
+    else
         axis_blocks_release(blocks);
     return result;
 }
@@ -142,5 +154,6 @@ void axis_blocks_release(struct axis_blocks *blocks)
 {
     mem_free(blocks->first);
     mem_free(blocks->entry);
+    mem_free(blocks->cursor);
     *blocks = (struct axis_blocks){ 0 };
 }

@@ -10,8 +10,9 @@ struct axis_blocks {
     uint32_t *first;       /* of walk w and block b at w * across * down + b; one more at the end */
     uint32_t *entry;       /* kernels, far to near within a block */
     size_t count;
-    size_t longest, fullest; /* entries in one block: of one walk; of all */
-    size_t lists, room;      /* what first and entry have place for */
+    size_t longest, fullest;     /* entries in one block: of one walk; of all */
+    uint32_t *cursor;            /* of runs of the lists: where to write next */
+    size_t lists, room, cursors; /* what first, entry and cursor have place for */
 };
 
 /* A splat is entered where the rectangle of its pixels meets a block in which its walk has a
@@ -19,6 +20,12 @@ struct axis_blocks {
  * Release with axis_blocks_release. */
 enum stp_result axis_blocks_update(const struct stp_env *env, const struct axis_lists *lists,
                                    struct axis_blocks *blocks);
+/* In two steps: all but the entries; then these, once, to where the caller has place for
+ * blocks->count of them, which need not be blocks->entry. */
+enum stp_result axis_blocks_count(const struct stp_env *env, const struct axis_lists *lists,
+                                  struct axis_blocks *blocks);
+void axis_blocks_fill(const struct stp_env *env, const struct axis_lists *lists,
+                      struct axis_blocks *blocks, uint32_t *entry);
 void axis_blocks_release(struct axis_blocks *blocks);
 
 #endif

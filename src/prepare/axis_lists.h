@@ -59,7 +59,7 @@ struct axis_lists {
 };
 
 /* Blocks of pixels: what a list is cut into, and what is asked at once of the walks' regions. */
-#define AXIS_BLOCK_WIDTH  8
+#define AXIS_BLOCK_WIDTH  4
 #define AXIS_BLOCK_HEIGHT 4
 
 /* The weight of a walk on a ray of world direction v (HM 5.2): (v_axis / max - h) / (1 - h), or 0.

@@ -19,6 +19,26 @@ enum stp_result record_lists(const struct stp_env *env, struct record_frame *fra
     return result;
 }
 
+/* The view's blocks: where the host may write to device memory, straight into it. */
+static enum stp_result record_blocks(const struct stp_env *env, struct record_frame *frame)
+{
+    const struct stp_plan *plan = frame->plan;
+    struct axis_blocks *blocks = &frame->axis_blocks;
+    struct gpu_buffer *order = &frame->resources.buffer[plan_find(plan, PLAN_ORDER)];
+    uint32_t *view = gpu_view(order);
+    if (!view) {
+        enum stp_result result = axis_blocks_update(env, &frame->axis, blocks);
+        return result == STP_OK ? record_lists(env, frame, &frame->axis, blocks) : result;
+    }
+    enum stp_result result = axis_blocks_count(env, &frame->axis, blocks);
+    if (result != STP_OK)
+        return result;
+    uint8_t starts = plan_find(plan, PLAN_COUNTS);
+    axis_blocks_fill(env, &frame->axis, blocks, view);
+    return gpu_upload(env, frame->context, &frame->resources.buffer[starts], blocks->first,
+                      plan->resource[starts].bytes);
+}
+
 enum stp_result record_view(const struct stp_env *env, struct record_frame *frame,
                             const struct stp_scene *scene)
 {
@@ -33,7 +53,8 @@ enum stp_result record_view(const struct stp_env *env, struct record_frame *fram
         plan->constant[PLAN_AXIS_SHAPE] == AXIS_ELLIPSOIDS) /* the view weights */
         result = upload_ellipsoids(env, frame, scene,
                                    &frame->resources.buffer[plan_find(plan, PLAN_SPLATS)]);
-    if (result == STP_OK && plan->path == STP_PATH_COMPUTE)
-        result = axis_blocks_update(env, &frame->axis, &frame->axis_blocks);
-    return result == STP_OK ? record_lists(env, frame, &frame->axis, &frame->axis_blocks) : result;
+    if (result != STP_OK)
+        return result;
+    return plan->path == STP_PATH_COMPUTE ? record_blocks(env, frame)
+                                          : record_lists(env, frame, &frame->axis, NULL);
 }

@@ -36,6 +36,17 @@ void report_find_front(struct report *report)
     }
 }
 
+bool report_outclassed(const struct report *report, const struct report_row *row)
+{
+    for (unsigned k = 0; k < report->row_count && !row->is_baseline; k++) {
+        const struct report_row *other = &report->row[k];
+        if (report_contends(other) && report_error(other) <= report_error(row) &&
+            REPORT_OUTCLASSED * other->ms.median < row->ms.median)
+            return true;
+    }
+    return false;
+}
+
 static int by_time(const void *a, const void *b)
 {
     const struct report_row *x = *(const struct report_row *const *)a;

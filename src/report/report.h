@@ -102,6 +102,10 @@ const struct report_row *report_fastest(const struct report *report, const char 
                                         double most_error);
 const struct report_row *report_most_exact(const struct report *report, const char *kind,
                                            double most_ms);
+/* Something at least as exact takes less than a REPORT_OUTCLASSED-th of its median: more frames of
+ * it would change no conclusion. Never true of baselines. */
+#define REPORT_OUTCLASSED 3
+bool report_outclassed(const struct report *report, const struct report_row *row);
 /* NULL: the sweep has no baseline. */
 const struct report_row *report_baseline(const struct report *report);
 /* The kinds in order of appearance, the reference apart. */

@@ -122,25 +122,47 @@ static void shuffle(unsigned *order, unsigned count, unsigned round)
     }
 }
 
+static enum stp_result make_room(struct study *study)
+{
+    for (unsigned i = 0; i < study->frame_count; i++) {
+        study->frame[i].ms = mem_alloc((size_t)study->report.rounds * TIMED, sizeof(double));
+        if (!study->frame[i].ms)
+            return log_no_memory(study->env, study->report.rounds * TIMED * sizeof(double),
+                                 "times");
+    }
+    return STP_OK;
+}
+
+static void summarise(struct study *study)
+{
+    for (unsigned i = 0; i < study->frame_count; i++)
+        study->report.row[i].ms = report_times(study->frame[i].ms, study->frame[i].count);
+}
+
+/* What the first round found outclassed takes most of a sweep's time and is seen no more. */
+static void leave_out(struct study *study)
+{
+    for (unsigned i = 0; i < study->frame_count; i++)
+        study->frame[i].done = report_outclassed(&study->report, &study->report.row[i]);
+}
+
 enum stp_result study_time(struct study *study)
 {
     unsigned order[STUDY_MAX_CONFIGS + REPORT_MAX_PICKS], rounds = study->report.rounds,
                                                           count = study->frame_count;
-    enum stp_result result = STP_OK;
-    for (unsigned i = 0; result == STP_OK && i < count; i++) {
-        study->frame[i].ms = mem_alloc((size_t)rounds * TIMED, sizeof(double));
-        if (!study->frame[i].ms)
-            result = log_no_memory(study->env, rounds * TIMED * sizeof(double), "times");
-    }
+    enum stp_result result = make_room(study);
     for (unsigned round = 0; result == STP_OK && round < rounds; round++) {
         shuffle(order, count, round);
         for (unsigned i = 0; result == STP_OK && i < count; i++) {
-            result = visit(study, order[i]);
+            if (!study->frame[order[i]].done)
+                result = visit(study, order[i]);
             log_progress(study->env, "report", (round * count + i + 1.0) / (rounds * count));
         }
+        if (result == STP_OK)
+            summarise(study);
+        if (result == STP_OK && round == 0)
+            leave_out(study);
     }
-    for (unsigned i = 0; result == STP_OK && i < count; i++)
-        study->report.row[i].ms = report_times(study->frame[i].ms, study->frame[i].count);
     return result;
 }
 

@@ -45,6 +45,7 @@ struct study_frame {
     uint64_t used; /* the turn in which it ran last */
     double *ms;    /* timed frames so far */
     unsigned count;
+    bool done; /* no more of them are needed: report_outclassed */
     struct heat heat;
 };
 
@@ -71,7 +72,7 @@ struct study {
 enum stp_result study_frame_wake(struct study *study, struct study_frame *frame);
 void study_frame_sleep(struct study *study, struct study_frame *frame);
 /* Every frame in turns: the first visit also reads the picture and measures its error, and of each
- * visit the first frame is not timed. */
+ * visit the first frame is not timed. What is outclassed in the first round has that one only. */
 enum stp_result study_time(struct study *study);
 /* Times of passes of the rows that matter: the front, and the two-pass baseline. */
 enum stp_result study_profile(struct study *study);

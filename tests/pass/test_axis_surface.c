@@ -128,7 +128,7 @@ static void near_every_rays_order(void **state)
     stp_scene_destroy(&scene);
 }
 
-/* Tiles show the same bits, with and without texels; a background lies behind, and
+/* Tiles show the same bits, with and without texels and shuffles; a background lies behind, and
  * behind the eye dome too. */
 static void tiles_and_background(void **state)
 {
@@ -150,10 +150,12 @@ static void tiles_and_background(void **state)
         stp_plan_destroy(&plan);
         expect_same_bits(whole, tiled, "tiles");
         params.memory_limit = 0;
-        params.mask_features = STP_FEATURE_TEXEL_BUFFERS;
-        struct stp_image *addressed = device_render(&device, scene, &camera, &params);
-        expect_same_bits(whole, addressed, "no texels");
-        stp_image_destroy(&addressed);
+        for (int m = 0; m < 2; m++) {
+            params.mask_features = m ? STP_FEATURE_TEXEL_BUFFERS : STP_FEATURE_SUBGROUP_SHUFFLE;
+            struct stp_image *other = device_render(&device, scene, &camera, &params);
+            expect_same_bits(whole, other, m ? "no texels" : "no shuffles");
+            stp_image_destroy(&other);
+        }
         params.background = background;
         struct stp_image *behind = device_render(&device, scene, &camera, &params);
         for (uint32_t i = 0; i < W * H; i++) {

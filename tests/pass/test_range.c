@@ -98,7 +98,7 @@ static void near_the_exact_order(void **state)
     stp_scene_destroy(&scene);
 }
 
-/* The same bits whatever cuts the picture in tiles, and run after run. */
+/* The same bits run after run, whatever cuts the picture in tiles, without shuffles and texels. */
 static void the_same_bits(void **state)
 {
     struct device device;
@@ -108,10 +108,20 @@ static void the_same_bits(void **state)
     struct stp_render_params params = { .method = STP_METHOD_AXIS };
     device_open(&device, 0);
     struct stp_image *a = device_render(&device, scene, &camera, &params);
-    struct stp_image *b = device_render(&device, scene, &camera, &params);
-    expect_same_bits(a, b, "again");
+    for (int n = 0; n < 4; n++) {
+        static const unsigned masks[] = { 0, 0, STP_FEATURE_SUBGROUP_SHUFFLE,
+                                          STP_FEATURE_TEXEL_BUFFERS };
+        struct stp_plan *plan = NULL;
+        params.memory_limit = n == 1 ? 60000 : 0;
+        params.mask_features = masks[n];
+        assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+        assert_true((plan->tile_count > 1) == (n == 1));
+        struct stp_image *b = device_render_plan(&device, scene, plan);
+        expect_same_bits(a, b, (const char *[]){ "again", "tiles", "no shuffles", "no texels" }[n]);
+        stp_image_destroy(&b);
+        stp_plan_destroy(&plan);
+    }
     stp_image_destroy(&a);
-    stp_image_destroy(&b);
     device_close(&device);
     stp_scene_destroy(&scene);
 }

@@ -66,10 +66,15 @@ static void one_axis_costs_one_list(void **state)
     assert_int_equal(plan_bytes(plan, PLAN_TRANSIENT), 32 * kernels);
     assert_true(!plan->axis.sheets[0].first && !plan->axis.sheets[1].first);
     assert_int_equal(plan->pass_count, 2);
-    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_FETCHED);
+    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_SHUFFLED);
     assert_int_equal(resource_named(plan, "projected")->format, PLAN_TEXELS_RGBA32UI);
     assert_int_equal(resource_named(plan, "block splats")->format, PLAN_TEXELS_R32UI);
     stp_plan_destroy(&plan);
+    in.limits.features &= ~(unsigned)STP_FEATURE_SUBGROUP_SHUFFLE;
+    plan = plan_of(&in);
+    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_FETCHED);
+    stp_plan_destroy(&plan);
+    in.limits.features |= STP_FEATURE_SUBGROUP_SHUFFLE;
     in.limits.features &= ~(unsigned)STP_FEATURE_TEXEL_BUFFERS;
     plan = plan_of(&in);
     assert_int_equal(resource_named(plan, "projected")->format, PLAN_BUFFER);

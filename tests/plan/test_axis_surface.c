@@ -26,7 +26,7 @@ static void splats_and_their_lists(void **state)
                                                        (plan->facts.has_color ? 12 * splats : 0));
     assert_int_equal(plan->pass_count, 2);
     assert_int_equal(pass_named(plan, "project")->shader, PLAN_SHADER_AXIS_SURFACE);
-    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_FETCHED);
+    assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_SHUFFLED);
     stp_plan_destroy(&plan);
     static const float background[] = { 1, 1, 1, 1 };
     in.params.background = background;

@@ -92,12 +92,13 @@ static void test_missing(void **state)
 
 static void test_feature_names(void **state)
 {
-    static const char *const names[] = { "int64-atomics", "vertex-layer",      "float32-blend",
-                                         "int64",         "float64",           "storage-formats",
-                                         "shared-memory", "independent-blend", "texel-buffers" };
-    for (unsigned i = 0; i < 9; i++)
+    static const char *const names[] = { "int64-atomics",   "vertex-layer",      "float32-blend",
+                                         "int64",           "float64",           "storage-formats",
+                                         "shared-memory",   "independent-blend", "texel-buffers",
+                                         "subgroup-shuffle" };
+    for (unsigned i = 0; i < 10; i++)
         assert_string_equal(stp_feature_name((enum stp_feature)(1 << i)), names[i]);
-    assert_null(stp_feature_name((enum stp_feature)512));
+    assert_null(stp_feature_name((enum stp_feature)1024));
     assert_null(stp_feature_name((enum stp_feature)3));
 }
 

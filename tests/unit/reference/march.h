@@ -60,10 +60,13 @@ static inline struct stp_scene *march_scene(const struct march *m)
 /* One Gaussian on a ray of unit speed: tau a exp(-(m2 + b (t - at)^2) / 2). */
 struct march_kernel {
     double tau_a, m2, b, at, color[3];
+    double place[3]; /* of its centre, in the world */
+    double key;      /* of an order: the least is the nearest; of equal ones the first voxel is */
+    size_t voxel;
 };
 
 /* Start and unit direction of a pixel's ray; *depth: eye depth a unit of it. */
-static inline void march_ray(const struct stp_camera *c, double px, double py, double from[3],
+static inline void march_aim(const struct stp_camera *c, double px, double py, double from[3],
                              double along[3], double *depth)
 {
     const double *m = c->world_to_camera;
@@ -109,8 +112,12 @@ static inline size_t march_find(const struct march *m, const double from[3], con
                 k.m2 = ee - e * e / b;
                 k.tau_a = -log(1 - (march_low[3] + v * (march_high[3] - march_low[3]))) / finest *
                           amplitude;
-                for (int n = 0; n < 3; n++)
+                for (int n = 0; n < 3; n++) {
                     k.color[n] = march_low[n] + v * (march_high[n] - march_low[n]);
+                    k.place[n] = m->origin[n] + at[n] * m->spacing[n];
+                }
+                k.voxel = i;
+                k.key = k.at;
                 if (k.m2 <= 9)
                     found[count++] = k;
             }
@@ -120,7 +127,15 @@ static inline size_t march_find(const struct march *m, const double from[3], con
 static inline int march_nearer(const void *a, const void *b)
 {
     const struct march_kernel *x = a, *y = b;
-    return (x->at > y->at) - (x->at < y->at);
+    if (x->key != y->key)
+        return x->key < y->key ? -1 : 1;
+    return (x->voxel > y->voxel) - (x->voxel < y->voxel);
+}
+
+/* Optical depth of the whole ray. */
+static inline double march_depth(const struct march_kernel *k)
+{
+    return k->tau_a * exp(-0.5 * k->m2) * sqrt(2 * M_PI / k->b);
 }
 
 /* sum: premultiplied colour, alpha, and depth by alpha. Emission and absorption of their sum, by
@@ -157,6 +172,36 @@ static inline void march_through(const struct march_kernel *k, size_t count, dou
     }
 }
 
+/* What kernels one by one, in the order of their keys, may be off the medium at most: three
+ * colours, and depth by alpha. The medium is thin layers, each of one kernel, in the order of their
+ * depths; the kernels are the same layers in another order. To exchange two neighbouring layers of
+ * optical depths x and y changes a colour by at most x y times the difference of theirs, since no
+ * more than all light is left; and it takes one exchange of each pair that stands the other way
+ * round. Of kernels i before j that is the share of layers' pairs in which i's is the farther:
+ * depths of layers are normal, their difference too. With u = that difference over its deviation,
+ * the share is P(u < 0), and the mean of -u there is what such pairs are apart. A kernel's own
+ * layers, taken to be where it is greatest, are half of what it takes to reverse them, x^2 / 4 E|t
+ * - t'|. */
+static inline void march_exchanges(struct march_kernel *k, size_t count, double depth,
+                                   double most[4])
+{
+    memset(most, 0, 4 * sizeof *most);
+    qsort(k, count, sizeof *k, march_nearer);
+    for (size_t i = 0; i < count; i++) {
+        double x = march_depth(&k[i]), apart = sqrt(2 / k[i].b);
+        most[3] += x * x / 2 / sqrt(M_PI * k[i].b) * depth;
+        for (size_t j = i + 1; j < count; j++) {
+            double u = (k[j].at - k[i].at) / apart, pair = x * march_depth(&k[j]);
+            if (u > 7) /* P < 2e-12 */
+                continue;
+            double share = 0.5 * erfc(u / M_SQRT2);
+            for (int n = 0; n < 3; n++)
+                most[n] += pair * share * fabs(k[i].color[n] - k[j].color[n]);
+            most[3] += pair * apart * (exp(-0.5 * u * u) / sqrt(2 * M_PI) - u * share) * depth;
+        }
+    }
+}
+
 /* One by one, the nearest first. */
 static inline void march_sorted(struct march_kernel *k, size_t count, double depth, double sum[5])
 {
@@ -164,7 +209,7 @@ static inline void march_sorted(struct march_kernel *k, size_t count, double dep
     memset(sum, 0, 5 * sizeof *sum);
     qsort(k, count, sizeof *k, march_nearer);
     for (size_t i = 0; i < count; i++) {
-        double taken = left * -expm1(-k[i].tau_a * exp(-0.5 * k[i].m2) * sqrt(2 * M_PI / k[i].b));
+        double taken = left * -expm1(-march_depth(&k[i]));
         for (int n = 0; n < 3; n++)
             sum[n] += taken * k[i].color[n];
         sum[3] += taken;
@@ -173,16 +218,70 @@ static inline void march_sorted(struct march_kernel *k, size_t count, double dep
     }
 }
 
-/* Both of a pixel. */
-static inline void march_pixel(const struct march *m, const struct stp_camera *camera, uint32_t x,
-                               uint32_t y, double through[5], double sorted[5])
-{
-    static struct march_kernel found[MARCH_SIDE_MOST * MARCH_SIDE_MOST * MARCH_SIDE_MOST];
+/* A pixel's ray and what it meets. */
+struct march_ray {
     double from[3], along[3], depth;
-    march_ray(camera, x + 0.5, y + 0.5, from, along, &depth);
-    size_t count = march_find(m, from, along, found);
-    march_through(found, count, depth, through);
-    march_sorted(found, count, depth, sorted);
+    size_t count;
+    struct march_kernel found[MARCH_SIDE_MOST * MARCH_SIDE_MOST * MARCH_SIDE_MOST];
+};
+
+static inline void march_pixel(const struct march *m, const struct stp_camera *camera, uint32_t x,
+                               uint32_t y, struct march_ray *r)
+{
+    march_aim(camera, x + 0.5, y + 0.5, r->from, r->along, &r->depth);
+    r->count = march_find(m, r->from, r->along, r->found);
+}
+
+/* The kernels in the order along an axis, or, axis 3, of their distance from the eye. */
+static inline void march_order(struct march_ray *r, bool orthographic, unsigned axis)
+{
+    for (size_t i = 0; i < r->count; i++) {
+        double squared = 0, ahead = 0;
+        for (int a = 0; a < 3; a++) {
+            double d = r->found[i].place[a] - r->from[a];
+            squared += d * d;
+            ahead += d * r->along[a];
+        }
+        double apart = orthographic ? ahead : squared;
+        r->found[i].key =
+            axis < 3 ? r->found[i].place[axis] * (r->along[axis] < 0 ? -1 : 1) : apart;
+    }
+}
+
+static inline unsigned march_dominant(const double v[3])
+{
+    unsigned most = 0;
+    for (unsigned a = 1; a < 3; a++)
+        most = fabs(v[a]) > fabs(v[most]) ? a : most;
+    return most;
+}
+
+/* march_exchanges of a merge, h = 0.85: of each order as much as HM Eq. 1 takes of it. */
+static inline void march_merge(struct march_ray *r, const struct stp_camera *camera,
+                               enum stp_axis_merge merge, double most[4])
+{
+    const double *m = camera->world_to_camera, forward[3] = { -m[8], -m[9], -m[10] };
+    double weight[4] = { 0 }, total = 0;
+    double size = fabs(r->along[march_dominant(r->along)]);
+    if (merge == STP_AXIS_SORT)
+        weight[3] = 1;
+    else if (merge != STP_AXIS_BLEND)
+        weight[march_dominant(merge == STP_AXIS_CLIP ? r->along : forward)] = 1;
+    for (unsigned a = 0; a < 3 && merge == STP_AXIS_BLEND; a++)
+        weight[a] = pow(fmax(0, (fabs(r->along[a]) / size - 0.85) / 0.15), 2);
+    memset(most, 0, 4 * sizeof *most);
+    for (unsigned a = 0; a < 4; a++) {
+        double one[4];
+        if (weight[a] == 0)
+            continue;
+        march_order(r, camera->orthographic, a);
+        march_exchanges(r->found, r->count, r->depth, one);
+        for (int n = 0; n < 4; n++)
+            most[n] += weight[a] * one[n];
+        total += weight[a];
+    }
+    for (int n = 0; n < 4; n++)
+        most[n] /= total;
 }
 
 /* Views from outside, some by perspective: spacing 1 : 1 : 1, then 1 : 1 : 10. */

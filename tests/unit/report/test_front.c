@@ -70,6 +70,49 @@ static void front_of_random_rows(void **state)
     }
 }
 
+/* Baselines, however slow, and what is exact or fast enough, stay; equals do not put each other
+ * out. */
+static void outclassed_by_hand(void **state)
+{
+    struct report_row rows[7] = {
+        made_row("exact", "compute", 10, 1e-5), made_row("two-pass", "compute", 31, 1e-5),
+        made_row("a", "raster", 30, 1e-5),      made_row("b", "raster", 31, 1e-5),
+        made_row("c", "raster", 90, 9e-6),      made_row("d", "raster", 5, 1e-3),
+        made_row("reference", "", 1, 0)
+    };
+    struct report report = { .row = rows, .row_count = 7 };
+    rows[1].is_baseline = true;
+    rows[6].is_reference = true;
+    const bool expected[] = { false, false, false, true, false, false };
+    for (unsigned i = 0; i < 6; i++)
+        assert_int_equal(report_outclassed(&report, &rows[i]), expected[i]);
+}
+
+/* More frames of what is left out change no front, whatever they take from its median. */
+static void outclassed_never_on_the_front(void **state)
+{
+    uint32_t seed = 11;
+    unsigned left_out = 0;
+    for (int round = 0; round < 200; round++) {
+        struct report_row rows[20];
+        struct report report = { .row = rows, .row_count = 20 };
+        for (unsigned i = 0; i < 20; i++)
+            rows[i] = made_row("m", "compute", 1 + next_random(&seed) % 100,
+                               1e-5 * (1 + next_random(&seed) % 20));
+        for (unsigned i = 0; i < 20; i++) {
+            struct report_row kept = rows[i];
+            if (!report_outclassed(&report, &rows[i]))
+                continue;
+            left_out++;
+            rows[i].ms.median /= 2.9;
+            report_find_front(&report);
+            assert_false(rows[i].on_front);
+            rows[i] = kept;
+        }
+    }
+    assert_true(left_out > 200);
+}
+
 static void equal_error_and_time(void **state)
 {
     struct report_row rows[MADE_ROWS];
@@ -120,6 +163,8 @@ int main(void)
         cmocka_unit_test(front_by_hand),
         cmocka_unit_test(below_the_floor),
         cmocka_unit_test(front_of_random_rows),
+        cmocka_unit_test(outclassed_by_hand),
+        cmocka_unit_test(outclassed_never_on_the_front),
         cmocka_unit_test(equal_error_and_time),
         cmocka_unit_test(kinds),
         cmocka_unit_test(quantiles),
