@@ -78,6 +78,13 @@ def positions(path):
         return [(r[x], r[y], r[z]) for r in record.iter_unpack(file.read(count * record.size))]
 
 
+def discs_header(count):
+    """Of a binary PLY whose rows are seven floats: a place, a normal, a radius."""
+    names = ["x", "y", "z", "nx", "ny", "nz", "radius"]
+    return (f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n" +
+            "".join(f"property float {name}\n" for name in names) + "end_header\n").encode()
+
+
 def unit(v):
     length = math.sqrt(sum(c * c for c in v))
     return [c / length for c in v]

@@ -34,9 +34,6 @@ import bench
 SIZES = [512, 1024]
 COUNTS = [25000, 173000, 544000, 3600000, 5000000]
 ROW = struct.Struct("<7f")
-HEADER = "ply\nformat binary_little_endian 1.0\nelement vertex %d\n" + "".join(
-    f"property float {name}\n" for name in ["x", "y", "z", "nx", "ny", "nz", "radius"]) + \
-    "end_header\n"
 
 
 def subset(path, count, out, factor=1):
@@ -50,7 +47,7 @@ def subset(path, count, out, factor=1):
     count = min(count, total)
     wider = math.sqrt(total / count) * factor
     with open(out, "wb") as file:
-        file.write((HEADER % count).encode())
+        file.write(bench.discs_header(count))
         if count == total and factor == 1:
             file.write(data)
             return count
@@ -215,7 +212,7 @@ def sphere(count, out):
     """Even points on the unit sphere, discs of four times a point's share of the area."""
     radius = 2 * math.sqrt(4 / count)
     with open(out, "wb") as file:
-        file.write((HEADER % count).encode())
+        file.write(bench.discs_header(count))
         for i in range(count):
             z, turn = 1 - (2 * i + 1) / count, i * 2.399963229728653
             ring = math.sqrt(1 - z * z)
@@ -311,7 +308,7 @@ def write_cloud(count, path):
     random.seed(7)
     radius, block = 2 * math.sqrt(4 / count), []
     with open(path, "wb") as file:
-        file.write((HEADER % count).encode())
+        file.write(bench.discs_header(count))
         for i in range(count):
             z, turn = random.uniform(-1, 1), random.uniform(0, 2 * math.pi)
             ring = math.sqrt(1 - z * z)

@@ -29,11 +29,8 @@ TARGET, GROUPS = 0.98, 4
 def sphere(path, count, radius, scattered):
     """Equal discs over the unit sphere, along a spiral or at random."""
     dice = random.Random(1)
-    names = ["x", "y", "z", "nx", "ny", "nz", "radius"]
-    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n"
-    header += "".join(f"property float {name}\n" for name in names) + "end_header\n"
     with open(path, "wb") as file:
-        file.write(header.encode())
+        file.write(bench.discs_header(count))
         for i in range(count):
             z = dice.uniform(-1, 1) if scattered else 1 - (2 * i + 1) / count
             turn = dice.uniform(0, math.tau) if scattered else i * math.pi * (3 - math.sqrt(5))
@@ -179,12 +176,9 @@ def slope(path, count):
     """Discs of one tilted plane, depth 4 + x, that lie up to a fifth of an epsilon behind it."""
     dice = random.Random(7)
     radius = SLOPE["width"] * math.sqrt(4.5 * math.sqrt(2) / (math.pi * count))
-    names = ["x", "y", "z", "nx", "ny", "nz", "radius"]
-    header = f"ply\nformat binary_little_endian 1.0\nelement vertex {count}\n"
-    header += "".join(f"property float {name}\n" for name in names) + "end_header\n"
     tilt = math.sqrt(0.5)
     with open(path, "wb") as file:
-        file.write(header.encode())
+        file.write(bench.discs_header(count))
         for _ in range(count):
             x, y = (SLOPE["width"] * (dice.random() - 0.5) for _ in range(2))
             z = -4 - x - SLOPE["spread"] * dice.random()

@@ -124,9 +124,7 @@ void help_all(FILE *out, const struct command *commands, unsigned count);
 
 bool value_flag(const struct option_spec *spec, const char *text, void *target);     /* bool */
 bool value_text(const struct option_spec *spec, const char *text, void *target);     /* char * */
-bool value_exr_path(const struct option_spec *spec, const char *text, void *target); /* char * */
-bool value_png_path(const struct option_spec *spec, const char *text, void *target); /* char * */
-bool value_ply_path(const struct option_spec *spec, const char *text, void *target); /* char * */
+bool value_path(const struct option_spec *spec, const char *text, void *target);     /* char * */
 bool value_real(const struct option_spec *spec, const char *text, void *target);     /* double */
 bool value_degrees(const struct option_spec *spec, const char *text, void *target);  /* double */
 bool value_count(const struct option_spec *spec, const char *text, void *target);    /* unsigned */
@@ -228,7 +226,8 @@ void context_start(struct context_job *job, struct console *console,
 /* Waits; logs a failure. */
 int context_finish(struct context_job *job, const struct stp_limits **limits);
 /* Only who asks for a bound waits for measurements. */
-int context_calibrate(struct context_job *job, const struct settings *settings);
+int context_calibrate(struct context_job *job, const struct settings *settings,
+                      const struct stp_facts *facts);
 /* Safe for a job that was never started. */
 void context_close(struct context_job *job);
 

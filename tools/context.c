@@ -48,11 +48,14 @@ int context_finish(struct context_job *job, const struct stp_limits **limits)
     return EXIT_FAILED;
 }
 
-int context_calibrate(struct context_job *job, const struct settings *settings)
+int context_calibrate(struct context_job *job, const struct settings *settings,
+                      const struct stp_facts *facts)
 {
+    const struct stp_render_params *render = &settings->render;
+    bool priced = render->max_error > 0 && stp_choose_estimates(facts, render);
     struct stp_calibrate_params params = {
         .again = settings->calibrate,
-        .only_cached = !settings->calibrate && !(settings->render.max_error > 0),
+        .only_cached = !settings->calibrate && !priced,
     };
     return stp_calibrate(&job->console->env, job->context, &params) == STP_OK ? EXIT_DONE
                                                                               : EXIT_FAILED;

@@ -25,10 +25,10 @@ const struct option_spec option_table[] = {
       "the picture: R G B A, Z and N.X N.Y N.Z as 32-bit floats, colour linear and premultiplied. "
       "With --frames the name holds %d or %04d. Required, unless only --stats is wanted; then "
       "nothing but the figures is written",
-      value_exr_path, AT(output), "a name that ends in .exr", 0, 0, NULL },
+      value_path, AT(output), "a name that ends in .exr", 0, 0, NULL },
     { "Output", PREPARE, "output", 'o', "FILE.ply",
       "the prepared splats, as a binary PLY that reads back bit for bit. Required",
-      value_ply_path, AT(output), "a name that ends in .ply", 0, 0, NULL },
+      value_path, AT(output), "a name that ends in .ply", 0, 0, NULL },
     { "Output", REPORT, "output", 'o', "DIR",
       "the folder that gets report.csv, report.svg, report.md and error_*.png; it is made when it "
       "is not there. Required",
@@ -44,10 +44,10 @@ const struct option_spec option_table[] = {
       "also write a deep EXR: a sample a layer (R G B A, Z, ZBack), front to back; of a transparent "
       "scene by --transparency exact or reference, with one sample a pixel. Without the background "
       "(default: none)",
-      value_exr_path, AT(deep), "a name that ends in .exr", 0, 0, NULL },
+      value_path, AT(deep), "a name that ends in .exr", 0, 0, NULL },
     { NULL, RENDER, "preview", 0, "FILE.png",
       "also write an 8-bit sRGB picture with straight alpha (default: none)",
-      value_png_path, AT(preview), "a name that ends in .png", 0, 0, NULL },
+      value_path, AT(preview), "a name that ends in .png", 0, 0, NULL },
     { NULL, RENDER, "exposure", 0, "STOPS",
       "brighten the preview by 2^STOPS; the EXR is not touched (default: 0)",
       value_real, AT(exposure), "a number from -64 to 64", -64, 64, NULL },

@@ -293,7 +293,7 @@ static int load(struct run *run)
     if (status == EXIT_DONE && on_device)
         status = context_finish(&run->job, &run->limits);
     if (status == EXIT_DONE && run->limits && !run->shared)
-        status = context_calibrate(&run->job, settings);
+        status = context_calibrate(&run->job, settings, stp_scene_facts(run->scene));
     if (status == EXIT_DONE && run->shared)
         status = share_scene(run);
     return status;

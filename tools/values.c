@@ -39,31 +39,15 @@ bool value_text(const struct option_spec *spec, const char *text, void *target)
     return true;
 }
 
-static bool path_ending(const char *text, const char *ending, void *target)
+/* The argument's own text, FILE.exr say, has the ending that the name needs. */
+bool value_path(const struct option_spec *spec, const char *text, void *target)
 {
+    const char *ending = strchr(spec->argument, '.');
     size_t length = strlen(text), tail = strlen(ending);
     if (length <= tail || strcasecmp(text + length - tail, ending) != 0)
         return false;
     *(const char **)target = text;
     return true;
-}
-
-bool value_exr_path(const struct option_spec *spec, const char *text, void *target)
-{
-    (void)spec;
-    return path_ending(text, ".exr", target);
-}
-
-bool value_png_path(const struct option_spec *spec, const char *text, void *target)
-{
-    (void)spec;
-    return path_ending(text, ".png", target);
-}
-
-bool value_ply_path(const struct option_spec *spec, const char *text, void *target)
-{
-    (void)spec;
-    return path_ending(text, ".ply", target);
 }
 
 /* A finite decimal number; *end gets what follows. */

@@ -48,6 +48,7 @@ struct Sums {
 
 const Slot SLOT_NONE = Slot(uvec2(~0u), ~0u);
 const Rank RANK_NONE = Rank(NEVER, ~0u);
+const Term TERM_NONE = Term(RANK_NONE, 0, 0, ivec3(0), i64vec3(0), 0l);
 const Sums SUMS_NONE = Sums(0, 0, ivec3(0), i64vec3(0), 0l, 0, 0);
 
 Slot slot_read(uint pixel, uint i, bool present)

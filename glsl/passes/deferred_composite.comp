@@ -19,39 +19,76 @@ struct Layer {
     float depth;
     uint id;
     uvec2 key;   // PACKED
-    float rho2;  // by id
-    vec3 normal; // by id
+    float rho2;  // by id, as what follows
+    vec3 normal, albedo;
 };
+
+Layer layers[K];
 
 Layer layer_none()
 {
-    return Layer(1.0 / 0.0, STP_NO_ID, uvec2(0), 1, vec3(0, 0, -1));
+    return Layer(1.0 / 0.0, STP_NO_ID, uvec2(0), 1, vec3(0, 0, -1), vec3(0));
+}
+
+uvec2 layer_key(uint k, uint pixel, uvec2 p)
+{
+#ifdef FROM_IMAGE
+    return imageLoad(winners, ivec3(p, k)).xy;
+#else
+    return unpackUint2x32(frame.keys.v[pixel * K + k]);
+#endif
 }
 
 Layer layer_by_id(uint id, uvec2 p)
 {
-    Layer l = layer_none();
-    if (id != STP_NO_ID) {
-        Splat s;
-        Fragment f = fragment_again(id, p, s);
-        l = Layer(f.depth, id, uvec2(0), f.rho2, fragment_normal(s, f));
-    }
-    return l;
+    Splat s;
+    Fragment f = fragment_again(id, p, s);
+    vec3 albedo = HAS_COLOR ? frame.colors.v[id] : vec3(0);
+    return Layer(f.depth, id, uvec2(0), f.rho2, fragment_normal(s, f), albedo);
 }
 
-Layer layer_read(uint k, uint pixel, uvec2 p)
+// Equal depths: the lower id, whatever its group.
+void nearest_take(inout Layer nearest, Layer l)
 {
-#ifdef FROM_IMAGE
-    uvec2 key = imageLoad(winners, ivec3(p, k)).xy;
-#else
-    uvec2 key = unpackUint2x32(frame.keys.v[pixel * K + k]);
-#endif
-    if (!PACKED)
-        return layer_by_id(key.x, p);
-    Layer l = layer_none();
-    l.key = key;
-    l.depth = key == uvec2(~0u) ? l.depth : depth_restore(key_depth(key));
-    return l;
+    if (l.depth < nearest.depth || (!PACKED && l.depth == nearest.depth && l.id < nearest.id))
+        nearest = l;
+}
+
+Layer layers_packed(uint pixel, uvec2 p)
+{
+    Layer nearest = layer_none();
+    [[unroll]] for (uint k = 0; k < K; k++) {
+        Layer l = layer_none();
+        l.key = layer_key(k, pixel, p);
+        l.depth = l.key == uvec2(~0u) ? l.depth : depth_restore(key_depth(l.key));
+        layers[k] = l;
+        nearest_take(nearest, l);
+    }
+    return nearest;
+}
+
+// A fragment made again by its id is much code, and most groups have none here: one copy of it, in
+// as many turns as there are, where a copy for each group took seconds to compile. Layers move up,
+// in the order of their groups; no index varies on them, so that they are registers.
+Layer layers_by_id(uint pixel, uvec2 p)
+{
+    Layer nearest = layer_none();
+    uvec2 left = uvec2(0);
+    [[unroll]] for (uint k = 0; k < K; k++) {
+        layers[k] = layer_none();
+        left[k / 32] |= layer_key(k, pixel, p).x == STP_NO_ID ? 0 : 1u << k % 32;
+    }
+    for (uint turn = 0; left != uvec2(0); turn++) {
+        bool low = left.x != 0;
+        uint k = low ? findLSB(left.x) : 32 + findLSB(left.y);
+        left &= low ? uvec2(left.x - 1, ~0u) : uvec2(0, left.y - 1);
+        Layer l = layer_by_id(layer_key(min(k, K - 1), pixel, p).x, p);
+        nearest_take(nearest, l);
+        [[unroll]] for (uint i = 0; i < K; i++)
+            if (i == turn)
+                layers[i] = l;
+    }
+    return nearest;
 }
 
 void main()
@@ -60,15 +97,7 @@ void main()
     uint pixel;
     if (!resolve_pixel(p, pixel))
         return;
-    Layer layers[K];
-    Layer nearest = layer_none();
-    [[unroll]] for (uint k = 0; k < K; k++) {
-        layers[k] = layer_read(k, pixel, p);
-        // Equal depths: the lower id, whatever its group.
-        if (layers[k].depth < nearest.depth ||
-            (!PACKED && layers[k].depth == nearest.depth && layers[k].id < nearest.id))
-            nearest = layers[k];
-    }
+    Layer nearest = PACKED ? layers_packed(pixel, p) : layers_by_id(pixel, p);
     float near = nearest.depth;
     bool hit = near < 1.0 / 0.0;
     float limit = near + (hit ? object_epsilon(nearest.id) : 0);
@@ -83,7 +112,7 @@ void main()
         s.depth += counts ? w * (layers[k].depth - near) : 0;
         s.fragments += counts ? 1 : 0;
         if (HAS_COLOR)
-            s.albedo += w * frame.colors.v[counts ? layers[k].id : 0];
+            s.albedo += w * layers[k].albedo;
     }
     s.depth = near + s.depth / s.weight;
     surface_write(p, hit, s);

@@ -60,6 +60,20 @@ Sweep sweep_start(Rank next, Rank wall, out float epsilon)
     return s;
 }
 
+// A fragment made again by its id is much code: one copy of it, in turns, and no index that varies
+// on registers.
+void keep_by_id(out Term kept[KEPT], uint pixel, uint count, uvec2 p)
+{
+    [[unroll]] for (uint k = 0; k < KEPT; k++)
+        kept[k] = TERM_NONE;
+    for (uint i = 0; i < min(count, KEPT); i++) {
+        Term term = slot_term(slot_read(pixel, i, true), true, p);
+        [[unroll]] for (uint k = 0; k < KEPT; k++)
+            if (k == i)
+                kept[k] = term;
+    }
+}
+
 void main()
 {
     uvec2 p;
@@ -72,9 +86,15 @@ void main()
     material_keep();
     Term kept[KEPT];
     Rank next = RANK_NONE, wall = RANK_NONE;
-    [[unroll]] for (uint i = 0; i < KEPT; i++) {
-        kept[i] = slot_term(slot_read(pixel, i, i < count), i < count, p);
-        find_first(next, wall, kept[i].rank);
+    if (PACKED) {
+        [[unroll]] for (uint i = 0; i < KEPT; i++) {
+            kept[i] = slot_term(slot_read(pixel, i, i < count), i < count, p);
+            find_first(next, wall, kept[i].rank);
+        }
+    } else {
+        keep_by_id(kept, pixel, count, p);
+        [[unroll]] for (uint i = 0; i < KEPT; i++)
+            find_first(next, wall, kept[i].rank);
     }
     for (uint i = KEPT; i < count; i++)
         find_first(next, wall, slot_rank(slot_read(pixel, i, true), true));

@@ -9,7 +9,8 @@
 #include "lib/shade.glsl"
 #include "lib/slots.glsl"
 
-// The first slots are read once and kept in registers.
+// The first slots are read once and kept in registers. By id they are read again: a fragment made
+// again is so much code that one copy of it, in turns, is both compiled and run sooner than eight.
 const uint KEPT = 8;
 
 void take(inout Sums sums, Slot slot, bool present, Rank near, float epsilon, uvec2 p)
@@ -39,9 +40,10 @@ void main()
     bool hit = count > 0;
     float epsilon = hit ? rank_epsilon(near) : 0;
     Sums sums = SUMS_NONE;
-    [[unroll]] for (uint i = 0; i < KEPT; i++)
-        take(sums, kept[i], i < count, near, epsilon, p);
-    for (uint i = KEPT; i < count; i++)
+    if (PACKED)
+        [[unroll]] for (uint i = 0; i < KEPT; i++)
+            take(sums, kept[i], i < count, near, epsilon, p);
+    for (uint i = PACKED ? KEPT : 0; i < count; i++)
         take(sums, slot_read(pixel, i, true), true, near, epsilon, p);
     surface_write(p, hit, sums_surface(sums, near, epsilon));
 }

@@ -205,6 +205,12 @@ STP_API enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *
                                    const struct stp_render_params *params,
                                    const struct stp_limits *limits, struct stp_choice *choice);
 
+/* Whether stp_choose predicts anything: not of volumes and range images, not of layers composited
+ * fast or nearest, nor of any layers while max_error is 0. Then a bound is not looked at, one
+ * warning says so, and no device need be calibrated. */
+STP_API bool stp_choose_estimates(const struct stp_facts *facts,
+                                  const struct stp_render_params *params);
+
 /* scene: prepared; and grouped when the method is deferred. */
 STP_API enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scene *scene,
                                         const struct stp_camera *camera,

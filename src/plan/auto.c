@@ -194,14 +194,14 @@ static enum stp_result choose(struct choosing *c, struct stp_choice *choice)
 
 /* Media have no surfaces to probe. Layers are composited by what `transparency` says while there is
  * no bound to choose by; groups that cover the surface would have to be made to judge the rest. */
-static bool not_estimated(const struct stp_scene *scene, const struct stp_render_params *params)
+bool stp_choose_estimates(const struct stp_facts *facts, const struct stp_render_params *params)
 {
     enum stp_transparency t = params->transparency;
     if (t == STP_TRANSPARENCY_AUTO && params->method == STP_METHOD_DEFERRED)
         t = STP_TRANSPARENCY_FAST;
     bool judged =
         t == STP_TRANSPARENCY_AUTO || t == STP_TRANSPARENCY_EXACT || t == STP_TRANSPARENCY_PEEL;
-    return scene->volume || (scene->facts.transparent && (params->max_error == 0 || !judged));
+    return !plan_of_medium(facts) && (!facts->transparent || (params->max_error > 0 && judged));
 }
 
 enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
@@ -218,7 +218,7 @@ enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
         return log_error(env, STP_ERROR_ARGUMENT,
                          "there is nothing to choose with max_error %g and method %s",
                          params->max_error, stp_method_name(params->method));
-    if (not_estimated(scene, params)) {
+    if (!stp_choose_estimates(&scene->facts, params)) {
         *choice = (struct stp_choice){ .params = *params, .met = params->max_error == 0 };
         if (params->max_error > 0)
             log_warning(env, "the error of %s%s is not estimated: the bound of %g is not looked at",

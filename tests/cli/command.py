@@ -82,6 +82,16 @@ class CommandTest(unittest.TestCase):
         self.assertEqual(self.listing(), before, "files appeared, vanished or changed")
         return run.stderr
 
+    def promises_no_error(self, *scene):
+        """--max-error: one warning, the picture of no bound, and no device is calibrated for it."""
+        self.done("render", *scene, "-o", "free.exr")
+        run = self.run_tool("render", *scene, "-o", "bound.exr", "--max-error", "1e-3")
+        self.assertEqual((run.returncode, run.stderr), (
+            0, "stipple: warning: the error of volumes and range images is not estimated: the bound "
+               "of 0.001 is not looked at\n"))
+        self.assertEqual(self.read("free.exr"), self.read("bound.exr"))
+        self.assertFalse(os.path.exists(os.path.join(self.cache, "stipple")))
+
     def listing(self):
         return {name: os.path.isfile(self.path(name)) and os.access(self.path(name), os.R_OK)
                 and self.read(name) for name in os.listdir(self.folder)}

@@ -65,6 +65,11 @@ class Range(command.CommandTest):
         self.assertEqual(self.read("a.exr"), self.read("b.exr"))
         self.assertEqual(self.read("a.exr"), self.read("c.exr"))
 
+    def test_a_bound(self):
+        self.promises_no_error("scan")
+        discs = self.done("plan", "scan", "--range-splats", "discs", "--max-error", "1e-3")
+        self.assertIn("\nconsidered (predicted, the cheapest first):\n", discs)
+
     def test_what_is_refused(self):
         self.fails(1, ["discs"], "render", "scan", "--method", "exact", "-o", "a.exr")
         self.fails(2, ["--uncertainty"], "render", "scan", "--uncertainty", "-1", "-o", "a.exr")

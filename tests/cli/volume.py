@@ -56,6 +56,9 @@ class Volume(command.CommandTest):
         pictures.add(self.read("a.exr"))
         self.assertEqual(len(pictures), 7)
 
+    def test_a_bound(self):
+        self.promises_no_error("ball.raw", *self.dims, "--size", "32x32")
+
     def test_a_scene_file(self):
         self.write("scene.json", json.dumps({"volume": {"file": "ball.raw", "dims": [SIDE] * 3,
                                                         "transfer_function": "bone"}}))

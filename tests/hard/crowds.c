@@ -89,7 +89,7 @@ static void million(const struct hard_options *o, struct device *device)
 {
     size_t count = 1000000;
     struct hard_options small = *o;
-    small.width = small.height = 16;
+    small.width = small.height = 8; /* a million times a dozen pixels */
     struct stp_scene *one = copies(1), *many = copies(count);
     struct stp_camera camera = hard_look(&small, v3(0.1, 0.2, 0.3), 4, 30);
     struct stp_render_params p = { .min_splat = -1 };
@@ -135,8 +135,8 @@ static void ten_thousand(const struct hard_options *o, struct hard_scene *s)
         points_paint(&cloud, at, v3(hard_random(&seed), hard_random(&seed), hard_random(&seed)));
     }
     struct hard_options small = *o;
-    small.width = 40;
-    small.height = 30;
+    small.width = 20;
+    small.height = 15;
     s->scene = points_scene(&cloud, 1, 2);
     s->camera = hard_look(&small, v3(0, 0, 0), 4.6, 30);
     s->params = (struct stp_render_params){ .min_splat = -1 };

@@ -47,6 +47,15 @@ static struct vec3 in_square(const struct hard_scene *s, const struct hard_seen 
     return v3(v3_dot(p, u), v3_dot(p, v), depth);
 }
 
+/* What a pixel shows, and where its ray meets the square; false: beside it, or by its border. */
+static bool see_square(const struct hard_scene *s, const struct stp_image *image, uint32_t pixel,
+                       struct hard_seen *seen, struct vec3 *place)
+{
+    *seen = hard_see(s, image, pixel);
+    *place = in_square(s, seen);
+    return fmax(fabs(place->x), fabs(place->y)) <= 0.45;
+}
+
 /* A fiftieth apart, a tenth of the tolerance; backs culled. */
 static void thin(const struct hard_options *o, struct hard_scene *s)
 {
@@ -71,9 +80,9 @@ static double check_square(const struct hard_scene *s, const struct stp_image *i
     struct vec3 w = v3_load(s->truth);
     double worst = 0;
     for (uint32_t k = 0; k < image->width * image->height; k++) {
-        struct hard_seen seen = hard_see(s, image, k);
-        struct vec3 p = in_square(s, &seen);
-        if (fmax(fabs(p.x), fabs(p.y)) > 0.45)
+        struct hard_seen seen;
+        struct vec3 p;
+        if (!see_square(s, image, k, &seen, &p))
             continue;
         worst = fmax(worst, seen.covered ? hard_angle(seen.normal, w) / turned : INFINITY);
         worst = fmax(worst, fabs(v3_dot(seen.point, w)) / off);
@@ -182,9 +191,9 @@ static double check_steep(const struct hard_scene *s, const struct stp_image *im
     struct vec3 w = v3_load(s->truth);
     unsigned flat = 0;
     for (uint32_t k = 0; k < image->width * image->height; k++) {
-        struct hard_seen seen = hard_see(s, image, k);
-        struct vec3 p = in_square(s, &seen);
-        if (fmax(fabs(p.x), fabs(p.y)) > 0.45)
+        struct hard_seen seen;
+        struct vec3 p;
+        if (!see_square(s, image, k, &seen, &p))
             continue;
         bool plain = is_flat(s, p);
         flat += plain;

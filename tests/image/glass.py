@@ -13,6 +13,7 @@ sys.path[:0] = [os.path.join(HERE, "..", "cli"), TOOLS]
 import bench_transparency
 import command
 import make_glass
+from make_model import dot, unit
 
 SIZE = 96
 INDEX, ABSORPTION = [1.16, 1.18, 1.2], [0.12, 0.03, 0.06]  # of make_glass.sphere
@@ -24,14 +25,6 @@ def smooth_sky(x, y, z):
 
 def along(a, u, b, v):
     return [a * p + b * q for p, q in zip(u, v)]
-
-
-def dot(u, v):
-    return sum(p * q for p, q in zip(u, v))
-
-
-def unit(v):
-    return along(1 / math.sqrt(dot(v, v)), v, 0, v)
 
 
 def sphere_hit(x, y):

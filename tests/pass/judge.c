@@ -78,6 +78,13 @@ static void disturb(struct stp_scene *scene, struct stp_camera *camera,
     }
 }
 
+/* Quantised depths are off by half a step, and epsilon is 2^depth_bits of them. */
+static double rounding_of(const struct stp_plan *plan)
+{
+    bool packed = plan->payload == STP_PAYLOAD_PACKED;
+    return 1e-5 + (packed ? ldexp(1, 1 - (int)plan->frame.depth_bits) : 0);
+}
+
 static struct stp_image *reference_of(const struct stp_scene *scene, const struct stp_plan *plan,
                                       int variant)
 {
@@ -96,11 +103,8 @@ static struct stp_image *reference_of(const struct stp_scene *scene, const struc
     copy.splats.radius = radius;
     if (copy.splats.phong)
         copy.splats.phong = memcpy(phong, copy.splats.phong, copy.splats.count * sizeof *phong);
-    /* Quantised depths are off by half a step, and epsilon is 2^depth_bits of them. */
-    bool packed = plan->payload == STP_PAYLOAD_PACKED;
-    double step = 1e-5 + (packed ? ldexp(1, 1 - (int)plan->frame.depth_bits) : 0);
     if (variant >= 0)
-        disturb(&copy, &camera, &params, variant, step);
+        disturb(&copy, &camera, &params, variant, rounding_of(plan));
     assert_int_equal(reference_render(&env, &copy, &camera, &params, &image), STP_OK);
     free(radius);
     free(phong);
@@ -173,15 +177,42 @@ struct verdict judge(const struct stp_scene *scene, const struct stp_plan *plan,
     return verdict;
 }
 
-void expect_reference(struct device *device, const struct stp_scene *scene,
-                      const struct stp_camera *camera, const struct stp_render_params *params,
-                      const struct tolerance *tolerance, const char *what)
+/* The truths of one scene and view, made when the first way asks for them. */
+struct truths {
+    struct truth truth[2];
+    double rounding[2];
+};
+
+static const struct truth *truth_for(struct truths *t, const struct stp_scene *scene,
+                                     const struct stp_plan *plan)
+{
+    unsigned i = 0;
+    while (i < 2 && t->truth[i].image && t->rounding[i] != rounding_of(plan))
+        i++;
+    assert_true(i < 2); /* depths as they are, and packed alike */
+    if (!t->truth[i].image) {
+        t->rounding[i] = rounding_of(plan);
+        truth_make(scene, plan, &t->truth[i]);
+    }
+    return &t->truth[i];
+}
+
+static void truths_destroy(struct truths *t)
+{
+    for (int i = 0; i < 2; i++)
+        truth_destroy(&t->truth[i]);
+}
+
+static void expect_truth(struct device *device, const struct stp_scene *scene,
+                         const struct stp_camera *camera, const struct stp_render_params *params,
+                         const struct tolerance *tolerance, const char *what, struct truths *truths)
 {
     struct stp_plan *plan = NULL;
     if (device_plan(device, scene, camera, params, &plan) != STP_OK)
         fail_msg("%s: no plan: %s", what, device->last);
     struct stp_image *image = device_render_plan(device, scene, plan);
-    struct verdict v = judge(scene, plan, image, tolerance);
+    struct verdict v =
+        judge_against(truth_for(truths, scene, plan), plan->frame.epsilon, image, tolerance);
     bool good = v.off == 0 && v.psnr >= tolerance->psnr &&
                 (double)v.fragile <= tolerance->fragile * (double)v.covered + 8;
     if (!good || getenv("STP_TEST_VERDICTS"))
@@ -193,6 +224,15 @@ void expect_reference(struct device *device, const struct stp_scene *scene,
     stp_image_destroy(&image);
     stp_plan_destroy(&plan);
     assert_true(good);
+}
+
+void expect_reference(struct device *device, const struct stp_scene *scene,
+                      const struct stp_camera *camera, const struct stp_render_params *params,
+                      const struct tolerance *tolerance, const char *what)
+{
+    struct truths truths = { 0 };
+    expect_truth(device, scene, camera, params, tolerance, what, &truths);
+    truths_destroy(&truths);
 }
 
 void expect_everywhere(struct device *device, const struct stp_scene *scene,
@@ -214,6 +254,7 @@ void expect_everywhere(struct device *device, const struct stp_scene *scene,
         { STP_METHOD_DEFERRED, STP_PATH_RASTER, STP_PAYLOAD_ID, &float_tolerance },
         { STP_METHOD_DEFERRED, STP_PATH_RASTER, STP_PAYLOAD_PACKED, &packed_tolerance },
     };
+    struct truths truths = { 0 };
     for (unsigned i = 0; i < sizeof way / sizeof *way; i++) {
         struct stp_render_params p = *params;
         if (way[i].method == STP_METHOD_DEFERRED && scene->facts.grouping.groups == 0)
@@ -221,8 +262,9 @@ void expect_everywhere(struct device *device, const struct stp_scene *scene,
         p.method = way[i].method;
         p.path = way[i].path;
         p.payload = way[i].payload;
-        expect_reference(device, scene, camera, &p, way[i].tolerance, what);
+        expect_truth(device, scene, camera, &p, way[i].tolerance, what, &truths);
     }
+    truths_destroy(&truths);
 }
 
 void expect_same_bits(const struct stp_image *a, const struct stp_image *b, const char *what)

@@ -80,11 +80,11 @@ static void test_against_hits(void **state)
  * of them. */
 static void test_huge(void **state)
 {
-    struct stp_scene *scene = scene_make(400, 1, 0.1);
+    struct stp_scene *scene = scene_make(100, 1, 0.1);
     struct stp_render_params params = { .min_splat = -1, .max_error = 1 };
-    struct stp_camera camera = plain_camera(512, 512, 512);
+    struct stp_camera camera = plain_camera(256, 256, 256);
     uint32_t seed = 9;
-    for (int i = 0; i < 400; i++)
+    for (int i = 0; i < 100; i++)
         scene_add(scene, v3(0.1 * uniform(&seed), 0.1 * uniform(&seed), -1), v3(0, 0, 1),
                   i ? 0.2 : 0.48);
     scene_finish(scene);

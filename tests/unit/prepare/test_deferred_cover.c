@@ -78,9 +78,14 @@ static uint64_t *memberships(const struct stp_scene *scene)
 static uint64_t covering(const struct stp_scene *scene, const uint64_t *in, double x, double y)
 {
     uint64_t bits = 0;
+    double largest = 1;
+    for (unsigned k = 0; k < scene->cover.groups; k++)
+        largest = fmax(largest, scene->cover.factor[k]);
     for (size_t i = 0; i < scene->splats.count; i++) {
         double dx = scene->splats.position[i][0] - x, dy = scene->splats.position[i][1] - y;
         double r = scene->splats.radius[i], d2 = dx * dx + dy * dy;
+        if (d2 > r * r * largest * largest)
+            continue;
         bits |= d2 <= r * r ? (uint64_t)1 << 63 : 0;
         for (unsigned k = 0; k < scene->cover.groups; k++) {
             double e = r * scene->cover.factor[k];

@@ -66,7 +66,8 @@ static void check_graph(const struct splats *s, const struct overlap_params *p,
     for (size_t i = 0; i < s->count; i++) {
         struct overlap_row row = overlap_row(g, i);
         size_t e = 0;
-        for (size_t j = 0; j < s->count; j++)
+        bool skipped = p->skip && p->skip[i];
+        for (size_t j = 0; j < s->count && !skipped; j++)
             if (expect_edge(s, p, i, j)) {
                 assert_true(e < row.degree);
                 assert_int_equal(row.neighbour[e++], j);
@@ -74,7 +75,7 @@ static void check_graph(const struct splats *s, const struct overlap_params *p,
         assert_int_equal(row.degree, e);
         edges += e;
         max = e > max ? e : max;
-        nodes += !(p->skip && p->skip[i]);
+        nodes += !skipped;
     }
     assert_int_equal(g->edges, edges / 2);
     assert_int_equal(g->max_degree, max);

@@ -4,35 +4,17 @@
 
 #define TOLERANCE 0.02
 
-static double kernel(const struct at_splat *at)
-{
-    return 1 - at->s * at->s - at->t * at->t;
-}
+/* How far off its plane a splat still shows a point. */
+#define AWAY (3 * TOLERANCE)
 
-static bool shows(const struct at_splat *at, const double n[3])
-{
-    return at->covered && fabs(at->height) <= 3 * TOLERANCE && dot3(at->normal, n) > 0;
-}
-
-/* Root of the mean squared angle, degrees, between the mean of the splats' fields and the normals
- * of points. */
+/* Root of the mean squared angle, degrees, between the fields' mean and the normals of points. */
 static double mean_error(const struct splats *splats, const struct samples *s)
 {
     double sum = 0, count = 0;
     for (size_t i = 0; i < s->count; i++) {
-        double mean[3] = { 0 },
-               n[3] = { (double)s->normal[i][0], (double)s->normal[i][1], (double)s->normal[i][2] };
-        for (size_t j = 0; j < splats->count; j++) {
-            struct at_splat at = locate(splats, j, s->position[i]);
-            for (int k = 0; shows(&at, n) && k < 3; k++)
-                mean[k] += kernel(&at) * at.normal[k];
-        }
-        double length = sqrt(dot3(mean, mean));
-        if (!(length > 0))
-            continue;
-        double angle = acos(fmin(dot3(mean, n) / length, 1)) * 180 / PI;
-        sum += angle * angle;
-        count += 1;
+        double angle = angle_of_mean(splats, s, i, AWAY);
+        sum += isnan(angle) ? 0 : angle * angle;
+        count += !isnan(angle);
     }
     return sqrt(sum / count);
 }
@@ -70,7 +52,7 @@ static void fit_alone(struct splats *splats, size_t i, const struct samples *s)
         struct at_splat at = locate(splats, i, s->position[k]);
         double m[3] = { (double)s->normal[k][0], (double)s->normal[k][1], (double)s->normal[k][2] };
         double z = dot3(m, n);
-        if (!shows(&at, m) || z < 0.1)
+        if (!shows(&at, m, AWAY) || z < 0.1)
             continue;
         double weight = z * z * z * z;
         memcpy(row[0][count], (double[3]){ at.s, dot3(m, u) / z, weight }, sizeof row[0][0]);
@@ -108,9 +90,6 @@ static void mean_follows_the_surface(void **state)
 static void alone_is_worse(void **state)
 {
     struct samples s = sample_surface(on_torus, 5000, 15);
-    struct stp_points points = { .count = s.count,
-                                 .position = (const double(*)[3])s.position,
-                                 .normal = (const float(*)[3])s.normal };
     double error[2][2];
     size_t count[2][2];
     for (int flat = 0; flat < 2; flat++)
@@ -118,8 +97,7 @@ static void alone_is_worse(void **state)
             struct stp_fit_params params = { .tolerance = TOLERANCE,
                                              .flat = flat == 1,
                                              .alone = alone == 1 };
-            struct stp_scene *scene = scene_of(NULL, &points);
-            assert_int_equal(stp_scene_fit(NULL, scene, &params, NULL), STP_OK);
+            struct stp_scene *scene = fitted_by(NULL, &s, &params, NULL);
             count[flat][alone] = scene->splats.count;
             error[flat][alone] = mean_error(&scene->splats, &s);
             for (size_t i = 0; flat && i < scene->splats.count; i++)

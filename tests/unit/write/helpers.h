@@ -106,6 +106,18 @@ static inline char *run_tool(const char *folder, const char *command)
     return text;
 }
 
+/* The next line that holds `wanted`, from there; NULL: none. Cuts the text into lines on its way:
+ * what searches or scans a string looks for its end first. */
+static inline char *find_line(char **text, const char *wanted)
+{
+    for (char *line; (line = strsep(text, "\n"));) {
+        char *found = strstr(line, wanted);
+        if (found)
+            return found;
+    }
+    return NULL;
+}
+
 static inline uint32_t next_random(uint32_t *state)
 {
     *state ^= *state << 13;

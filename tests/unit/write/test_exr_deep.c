@@ -58,20 +58,20 @@ static const char *expect_layer(const char *at, const struct stp_deep_layer *lay
 }
 
 /* What `oiiotool --dumpdata` prints is the picture's layers, every digit of them. */
-static void expect_dump(const struct stp_image *image, const char *text)
+static void expect_dump(const struct stp_image *image, char *text)
 {
     for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
         size_t first = image->deep->first[i], count = image->deep->first[i + 1] - first;
         char start[64];
         snprintf(start, sizeof start, "Pixel (%u, %u): %zu samples", i % WIDTH, i / WIDTH, count);
-        text = strstr(text, start);
-        if (!text)
+        const char *at = find_line(&text, start);
+        if (!at)
             fail_msg("no %s", start);
-        text += strlen(start);
+        at += strlen(start);
         if (count)
-            text = strchr(text, ':') + 1;
+            at = strchr(at, ':') + 1;
         for (size_t k = 0; k < count; k++)
-            text = expect_layer(text, &image->deep->layer[first + k]);
+            at = expect_layer(at, &image->deep->layer[first + k]);
     }
 }
 

@@ -119,8 +119,7 @@ static void test_values(void **state)
             for (int plane = 0; plane < 8; plane++)
                 used += snprintf(expected + used, sizeof expected - (size_t)used, " %.9f",
                                  (double)image->channels[plane].data.f[i]);
-            at = strstr(at, expected);
-            if (!at)
+            if (!find_line(&at, expected))
                 fail_msg("no \"%s\"", expected);
         }
         free(text);
