@@ -1,7 +1,8 @@
 // Clusters: STP_CLUSTER points that follow each other in canonical order, culled before any of them is
 // projected. A ball holds their centres, a cone their normals: axis, and sine of its half angle; 2: some
 // point has no normal, or they spread over a half space. src/record/upload_clusters.c makes them.
-// Needs lib/points.glsl.
+// Two texels each, which a CPU device loads at once. Needs lib/points.glsl.
+layout(set = 0, binding = STP_BINDING_CLUSTERS) uniform usamplerBuffer cluster_texels;
 
 // Beyond the edges of the grid; a pixel for where samples lie in theirs.
 bool beyond_grid(vec3 at, float r)
@@ -20,7 +21,8 @@ bool cluster_seen(uint cluster)
 {
     // Loads are not always masked.
     uint known = min(cluster, (push_count - 1) / STP_CLUSTER);
-    vec4 ball = frame.clusters.v[2 * known], cone = frame.clusters.v[2 * known + 1];
+    vec4 ball = uintBitsToFloat(texelFetch(cluster_texels, int(2 * known)));
+    vec4 cone = uintBitsToFloat(texelFetch(cluster_texels, int(2 * known + 1)));
     const float r[9] = frame.rotation, t[3] = frame.translation;
     mat3 turn = mat3(r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
     vec3 place = vec3(t[0], t[1], t[2]), at = turn * ball.xyz + place, axis = turn * cone.xyz;

@@ -10,6 +10,7 @@ layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Ref { ve
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer FloatRef { float v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer UintRef { uint v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 8) buffer Uint64Ref { uint64_t v[]; };
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer U64Vec2Ref { u64vec2 v[]; };
 
 struct MaterialData {
     float ambient, diffuse, specular, shininess;

@@ -4,13 +4,20 @@
 // which a CPU device loads by the vector, eight points at once, where addresses go one by one.
 layout(set = 0, binding = STP_BINDING_POINTS) uniform usamplerBuffer point_texels;
 
-vec3 octahedral_decode(uint u)
+// Of any length.
+vec3 octahedral_unfold(uint u)
 {
     vec2 o = unpackSnorm2x16(u);
     vec3 n = vec3(o, 1 - abs(o.x) - abs(o.y));
     float fold = max(-n.z, 0);
     n.x += n.x >= 0 ? -fold : fold;
     n.y += n.y >= 0 ? -fold : fold;
+    return n;
+}
+
+vec3 octahedral_decode(uint u)
+{
+    vec3 n = octahedral_unfold(u);
     return n * inversesqrt(dot(n, n));
 }
 
@@ -31,34 +38,74 @@ vec2 sample_shift()
     return (cell + 0.5) / float(SAMPLE_GRID) - 0.5;
 }
 
-// A point in the camera frame, without its radius. False: culled, or outside near and far.
-bool point_load(uint index, out Splat s)
+// What places points, loaded once a thread: within a loop a CPU device would load it for each point.
+struct PointView {
+    REAL3 x, y, z, shift; // rows from a position to pixels times depth, and depth; orthographic: pixels
+    REAL3 eye;            // orthographic: the direction of sight
+};
+PointView point_view;
+
+void point_view_keep()
 {
-    uvec4 t = texelFetch(point_texels, int(index));
-    const float r[9] = frame.rotation;
-    splat_place(uintBitsToFloat(t.xyz), s);
-    vec3 b = octahedral_decode(t.w);
-    s.normal = vec3(r[0] * b.x + r[1] * b.y + r[2] * b.z, r[3] * b.x + r[4] * b.y + r[5] * b.z,
-                    r[6] * b.x + r[7] * b.y + r[8] * b.z);
+    const REAL r[9] = FRAME(rotation), t[3] = FRAME(translation);
+    REAL2 focal = REAL2(FRAME(focal)[0], FRAME(focal)[1]), middle = REAL2(FRAME(center)[0], FRAME(center)[1]);
+    REAL2 slant = ORTHOGRAPHIC ? REAL2(0) : middle;
+    PRECISE PointView v;
+    v.z = REAL3(r[6], r[7], r[8]);
+    v.x = focal.x * REAL3(r[0], r[1], r[2]) + slant.x * v.z;
+    v.y = focal.y * REAL3(r[3], r[4], r[5]) + slant.y * v.z;
+    v.shift = REAL3(focal * REAL2(t[0], t[1]) + middle * (ORTHOGRAPHIC ? 1 : t[2]), t[2]);
+    v.eye = REAL3(FRAME(eye)[0], FRAME(eye)[1], FRAME(eye)[2]);
+    point_view = v;
+}
+
+// Depth of a point's centre, and its place in the picture. Only products and sums are done in double;
+// the quotient is float, with its remainder beside it.
+float point_place(vec3 a, out Place place)
+{
+    PointView v = point_view;
+    PRECISE REAL3 c = REAL3(v.x.x * a.x + v.x.y * a.y + v.x.z * a.z + v.shift.x,
+                            v.y.x * a.x + v.y.y * a.y + v.y.z * a.z + v.shift.y,
+                            v.z.x * a.x + v.z.y * a.y + v.z.z * a.z + v.shift.z);
+    float depth = float(c.z), over = ORTHOGRAPHIC ? 1 : depth;
+    // A point far outside the picture keeps its place within what an int holds.
+    PRECISE vec2 whole = floor(clamp(vec2(c.xy) / over, vec2(-1e8), vec2(1e8)));
+    PRECISE vec2 part = vec2(c.xy - REAL2(whole) * (ORTHOGRAPHIC ? 1 : c.z)) / over;
+    place = Place(ivec2(whole), part);
+    return depth;
+}
+
+// A point's normal, of any length; away: above 0 where it is seen from behind. One that is not known
+// faces the eye.
+vec3 point_normal(uvec4 t, out float away)
+{
+    PRECISE vec3 sight = vec3(ORTHOGRAPHIC ? point_view.eye : REAL3(uintBitsToFloat(t.xyz)) - point_view.eye);
+    vec3 n = octahedral_unfold(t.w);
     if (HAS_UNKNOWN && t.w == STP_NO_NORMAL)
-        s.normal = ORTHOGRAPHIC ? vec3(0, 0, -1) : -normalize(s.center);
-    float away = ORTHOGRAPHIC ? s.normal.z : dot(s.normal, s.center);
-    if (TWO_SIDED && away > 0)
-        s.normal = -s.normal;
-    return (!CULL_BACK || away < 0) && s.center.z >= frame.near_depth &&
-           s.center.z <= frame.far_depth;
+        n = -sight;
+    PRECISE float along = dot(n, sight);
+    away = along;
+    return n;
+}
+
+// False: culled, or outside near and far.
+bool point_seen(uvec4 t, float depth)
+{
+    float away = -1;
+    if (CULL_BACK)
+        point_normal(t, away);
+    return away < 0 && depth >= frame.near_depth && depth <= frame.far_depth;
 }
 
 // The pixel that the point falls into, from the grid's first, and where in it: -0.5 to 0.5.
 // False: outside the grid.
-bool point_pixel(Splat s, out uvec2 pixel, out vec2 offset)
+bool point_pixel(Place place, out uvec2 pixel, out vec2 offset)
 {
-    vec2 part = s.place.part - sample_shift(), whole = floor(part);
-    ivec2 at = s.place.whole + ivec2(whole) - ivec2(frame.grid_x, frame.grid_y);
+    vec2 part = place.part - sample_shift(), whole = floor(part);
+    ivec2 at = place.whole + ivec2(whole) - ivec2(frame.grid_x, frame.grid_y);
     offset = part - whole - 0.5;
     pixel = uvec2(at);
-    return all(greaterThanEqual(at, ivec2(0))) &&
-           all(lessThan(at, ivec2(frame.grid_width, frame.grid_height)));
+    return all(lessThan(pixel, uvec2(frame.grid_width, frame.grid_height)));
 }
 
 // Keys of pixels lie in blocks of 8 x 8.

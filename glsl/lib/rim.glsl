@@ -4,6 +4,12 @@
 // a sample from so near is in one of the eight round it.
 const float NEAR_REACH = 1.5;
 
+// Some disc of the view reaches beyond those, as gather has found: only then is anything left open.
+bool discs_far()
+{
+    return RIM_FAR && frame.work.v[STP_WORK_FAR] != 0;
+}
+
 // Pixels by which the disc is widened. Where discs are small on the screen, seen flat above all, several
 // points fall into a pixel and one stands for all: its disc has to reach where theirs would. An area of
 // 16 pixels is what a point has when one pixel in four holds one, at the usual radius (spacing).
@@ -32,6 +38,13 @@ vec2 disc_reach(Texel t)
     vec2 focal = vec2(frame.focal[0], frame.focal[1]);
     float nearest = ORTHOGRAPHIC ? 1 : max(t.depth - t.radius, 0.5 * t.depth);
     return max(t.radius * focal / nearest, vec2(frame.pyramid_floor)) + disc_crowd(t);
+}
+
+// It may reach beyond the pixels beside its own; with slack for what texels round.
+bool disc_far(Texel t)
+{
+    vec2 reach = disc_reach(t);
+    return max(reach.x, reach.y) > NEAR_REACH - 0.01;
 }
 
 // Pixels of the grid that it may touch, STP_RIM_REACH from its centre at most.

@@ -99,6 +99,13 @@ vec4 sample_add(vec4 mean, vec4 color, uint at, out uint hits)
     return vec4(mean.xyz + color.xyz / float(SAMPLES), alpha);
 }
 
+// As two words: a CPU device stores component by component, and lane by lane.
+void color_write(uint at, vec4 color)
+{
+    uvec4 bits = floatBitsToUint(color);
+    U64Vec2Ref(uint64_t(frame.out_color)).v[at] = u64vec2(packUint2x32(bits.xy), packUint2x32(bits.zw));
+}
+
 // Writes the pixel at p (relative to the tile). color: premultiplied; the rest is that of the
 // nearest of its layers. hit false: nothing is there. With several samples the picture starts
 // cleared; colours add up, and the rest is that of the nearest sample.
@@ -113,7 +120,7 @@ void picture_write(uvec2 p, bool hit, vec4 color, Look look, Surface s, uint lay
         color = background_at(pixel_position(p));
     if (SAMPLE_GRID > 1)
         color = sample_add(frame.out_color.v[at], color, at, hits);
-    frame.out_color.v[at] = color;
+    color_write(at, color);
     if (SAMPLE_GRID > 1 && (AOVS & 2) != 0)
         frame.out_id.v[ID_WORDS * at + 3] = hits;
     if (SAMPLE_GRID > 1 && look.depth >= frame.out_depth.v[at])

@@ -7,6 +7,7 @@
 #include "lib/pixel.glsl"
 #define ATTRIBUTES 0
 #include "lib/pyramid.glsl"
+#include "lib/rim.glsl"
 layout(local_size_x = STP_GROUP) in;
 
 void main()
@@ -23,6 +24,10 @@ void main()
     uint slot = atomicAdd(frame.work.v[STP_WORK_BLOCKS + 3], 1);
     frame.work.v[list_place(TOUCHED, slot)] = block;
     count_groups(STP_WORK_BLOCKS, slot + 1);
+    if (discs_far()) {
+        count_groups(STP_WORK_FIND, slot + 1);
+        frame.work.v[STP_WORK_FIND + 2] = 1;
+    }
     count_groups(STP_WORK_LEVEL_1, slot / 4 + 1);
     count_groups(STP_WORK_LEVEL_2, slot / 16 + 1);
 }

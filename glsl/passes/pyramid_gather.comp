@@ -3,9 +3,11 @@
 // MKC 3.1: the attributes of the points that won their pixels become level 0, which starts empty. Of
 // points that stream in chunks, those of this chunk; what earlier ones left stays.
 #include "lib/common.glsl"
+#define SAME_BITS
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #include "lib/pyramid.glsl"
+#include "lib/rim.glsl"
 layout(local_size_x_id = 22) in;
 layout(set = 0, binding = STP_BINDING_RADII) uniform samplerBuffer point_radii;
 #ifdef FETCHED
@@ -23,21 +25,27 @@ uint winner(uint pixel)
 #endif
 }
 
+mat3 normal_turn; // to the camera frame
+bool some_far = false;
+
 void gather(uvec2 p, uint index, bool found)
 {
-    Splat s;
+    Place place;
     uvec2 pixel;
     vec2 offset;
-    point_load(index, s);
-    point_pixel(s, pixel, offset);
+    float away;
+    uvec4 point = texelFetch(point_texels, int(index));
     Texel t = EMPTY;
-    t.depth = s.center.z;
+    t.depth = point_place(uintBitsToFloat(point.xyz), place);
     t.radius = texelFetch(point_radii, int(index)).x;
-    t.normal = s.normal;
+    vec3 n = point_normal(point, away);
+    t.normal = normal_turn * (TWO_SIDED && away > 0 ? -n : n);
+    point_pixel(place, pixel, offset);
     t.center = level_middle(0, ivec2(p)) + offset;
     t.full = true;
     if (!found)
         return;
+    some_far = some_far || (RIM_FAR && disc_far(t));
     texel_store(0, ivec2(p), t);
 #if ATTRIBUTES > 0
     Attributes a = Attributes(vec3(0), push_first + index, 0);
@@ -57,6 +65,9 @@ void main()
         return;
     uvec2 corner = uvec2(block % columns, block / columns) * STP_BLOCK;
     bool some = false;
+    const float r[9] = frame.rotation;
+    normal_turn = mat3(r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
+    point_view_keep();
     for (uint i = gl_LocalInvocationIndex; i < STP_GROUP;) {
         bool found = false;
         uint index = 0;
@@ -72,4 +83,6 @@ void main()
     }
     if (some)
         frame.work.v[STP_WORK_FLAGS + block] = STP_BLOCK_POINTS;
+    if (some_far)
+        frame.work.v[STP_WORK_FAR] = 1;
 }

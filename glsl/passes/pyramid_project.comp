@@ -14,28 +14,45 @@
 #include "lib/clusters.glsl"
 layout(local_size_x_id = 22) in;
 
-void project(uint index)
+// The nearest of the points that a thread has met in a row in one pixel: its key is written when the next
+// falls into another, since atomics are most of what a point costs.
+struct Held {
+    uint at, depth, id;
+};
+const uint NOWHERE = 0xffffffffu;
+
+void put(Held h)
 {
-    Splat s;
-    uvec2 pixel;
-    vec2 offset;
-    bool seen = point_load(index, s);
-    if (!point_pixel(s, pixel, offset) || !seen)
-        return;
-    uint at = grid_index(pixel), depth = depth_order(s.center.z), id = push_first + index;
 #ifdef WITH_ATOMIC64
-    atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | id);
+    atomicMin(frame.keys.v[h.at], uint64_t(h.depth) << 32 | h.id);
 #else
     UintRef word = UintRef(uint64_t(frame.keys));
 #ifdef NEAREST_ID
-    if (word.v[2 * at + 1] == depth)
-        atomicMin(word.v[2 * at], id);
+    if (word.v[2 * h.at + 1] == h.depth)
+        atomicMin(word.v[2 * h.at], h.id);
 #else
     // What an earlier chunk left lies behind: its id goes.
-    if (atomicMin(word.v[2 * at + 1], depth) > depth)
-        word.v[2 * at] = STP_NO_POINT;
+    if (atomicMin(word.v[2 * h.at + 1], h.depth) > h.depth)
+        word.v[2 * h.at] = STP_NO_POINT;
 #endif
 #endif
+}
+
+// Ids grow: of equal depths the one that is held stays.
+void project(uint index, inout Held held)
+{
+    Place place;
+    uvec2 pixel;
+    vec2 offset;
+    uvec4 t = texelFetch(point_texels, int(index));
+    float z = point_place(uintBitsToFloat(t.xyz), place);
+    bool seen = point_pixel(place, pixel, offset) && point_seen(t, z) && index < push_count;
+    Held h = Held(grid_index(pixel), depth_order(z), push_first + index);
+    bool next = seen && h.at != held.at;
+    if (next && held.at != NOWHERE)
+        put(held);
+    if (next || (seen && h.depth < held.depth))
+        held = h;
 }
 
 // A bit for each of the run's clusters that may be seen. Every thread tests them all: what threads tell
@@ -50,18 +67,21 @@ uint clusters_seen(uint first)
     return seen;
 }
 
+// A thread takes points that lie next to each other: as many of a cluster as there are threads for it.
 void main()
 {
     uint first = workgroup_index() * STP_POINT_RUN;
+    point_view_keep();
     uint seen = CULL_CLUSTERS ? clusters_seen(first) : 0xffffffffu >> (32 - STP_POINT_RUN / STP_CLUSTER);
-    uint count = bitCount(seen) * STP_CLUSTER, cluster = 0;
-    for (uint i = gl_LocalInvocationIndex; i < count; i += gl_WorkGroupSize.x) {
-        if (i % STP_CLUSTER < gl_WorkGroupSize.x) { // the first of another
-            cluster = first + findLSB(seen) * STP_CLUSTER;
+    uint run = STP_CLUSTER / gl_WorkGroupSize.x, count = bitCount(seen) * run, point = 0;
+    Held held = Held(NOWHERE, 0, 0);
+    for (uint i = 0; i < count; i++) {
+        if (i % run == 0) { // the first of another
+            point = first + findLSB(seen) * STP_CLUSTER + gl_LocalInvocationIndex * run;
             seen &= seen - 1;
         }
-        uint index = cluster + i % STP_CLUSTER;
-        if (index < push_count)
-            project(index);
+        project(point + i % run, held);
     }
+    if (held.at != NOWHERE)
+        put(held);
 }

@@ -20,13 +20,15 @@ layout(local_size_x_id = 22) in;
 // The pixel stays as it is; a disc shows; nothing does; discs from afar decide.
 const uint STAYS = 0, SHOWS = 1, NOTHING_SHOWS = 2, OPENS = 3;
 
+bool far; // discs_far()
+
 // Of a pixel without a point of its own.
 uint outcome_of(bool hide, float reach, float mean)
 {
     bool reached = reach < NOTHING;
     if (reached && !(mean <= reach))
         return SHOWS;
-    if (RIM_FAR && (hide || !reached))
+    if (far && (hide || !reached))
         return OPENS;
     return hide || reached || !(mean < NOTHING) ? STAYS : NOTHING_SHOWS;
 }
@@ -59,7 +61,7 @@ uint look(uvec2 p, uvec2 pixel, bool hide, out ivec2 point, out float nearest)
     point = hidden ? point : ivec2(p);
     nearest = hidden ? nearest : depth_own;
     // Samples add up, so that the push has not written it; where discs reach far, the last pass does.
-    return hidden || (SAMPLE_GRID > 1 && !RIM_FAR) ? SHOWS : RIM_FAR ? OPENS : STAYS;
+    return hidden || (SAMPLE_GRID > 1 && !far) ? SHOWS : far ? OPENS : STAYS;
 }
 
 // Two bits a turn of the thread through its block. Its pixels up to the next that changes: most stay.
@@ -69,6 +71,7 @@ void main()
     if (index >= frame.work.v[STP_WORK_LOOK + 3])
         return;
     material_keep();
+    far = discs_far();
     uint block = listed_block(LOOK, index), lane = gl_LocalInvocationIndex;
     uint left = frame.rim.v[block * STP_GROUP + lane];
     uvec2 corner = uvec2(block % columns, block / columns) * STP_BLOCK;

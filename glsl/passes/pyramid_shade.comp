@@ -6,6 +6,7 @@
 #include "lib/pixel.glsl"
 #include "lib/pyramid.glsl"
 #include "lib/push.glsl"
+#include "lib/rim.glsl"
 #define SURFACE_OBJECT(s) surface_object
 #define MATERIAL_KEPT
 uint surface_object;
@@ -54,6 +55,7 @@ void main()
     material_keep();
     uint block = listed_block(TOUCHED, index), again = 0, turn = 1;
     uvec2 open = uvec2(0);
+    bool far = discs_far();
     ivec2 corner = ivec2(block % columns, block / columns) * STP_BLOCK;
     ivec2 tile = ivec2(frame.tile_x, frame.tile_y) - ivec2(frame.grid_x, frame.grid_y);
     for (uint i = gl_LocalInvocationIndex; i < STP_GROUP; i += gl_WorkGroupSize.x, turn <<= 1) {
@@ -63,7 +65,7 @@ void main()
             all(lessThan(pixel, ivec2(frame.tile_width, frame.tile_height))))
             left = shade_pixel(p, uvec2(pixel));
         again |= left == COVER ? turn : left == HIDE ? turn << STP_BLOCK : 0;
-        if (RIM_FAR && left == AFAR) {
+        if (far && left == AFAR) {
             open |= open_bit(i);
             open_pixel(uvec2(p), STP_RIM_DEPTH);
         }

@@ -82,6 +82,7 @@
 #define STP_BINDING_SLOT_IDS   13
 #define STP_BINDING_PROJECTED  14
 #define STP_BINDING_ORDER      15
+#define STP_BINDING_CLUSTERS   16
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
 #define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
 #define STP_DEEP_FLOATS        5
@@ -97,7 +98,9 @@
 #define STP_WORK_LEVEL_2       12
 #define STP_WORK_LOOK          16 /* x y z count of blocks with pixels to be looked at again */
 #define STP_WORK_RIM           20 /* x y z count of points that may reach an empty pixel from afar */
-#define STP_WORK_OPEN          26 /* x y z count of blocks with such pixels */
+#define STP_WORK_FIND          24 /* pyramid, x y z: the touched blocks again; 0 where no disc is far */
+#define STP_WORK_FAR           27 /* pyramid, not 0: a disc reaches beyond the pixels beside its own */
+#define STP_WORK_OPEN          28 /* x y z count of blocks with such pixels */
 #define STP_WORK_REPAIR        8  /* x y z count of small splats that touch an overflowed block */
 #define STP_WORK_REPAIR_L      12
 #define STP_WORK_REPAIR_BLOCKS 16 /* x y z: the touched blocks again; else 0 */
@@ -174,7 +177,6 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, order);         /* raster, a pass a layer: splats by group; axis: lists */
     STP_ADDRESS(UintRef, work);          /* STP_WORK_* */
     STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
-    STP_ADDRESS(Vec4Ref, clusters);      /* pyramid: 2 a cluster: ball; cone of normals */
     STP_ADDRESS(UintRef, rim);       /* pyramid: STP_GROUP words a block, of a thread each: a bit a
                                         pixel that a disc may cover, from STP_BLOCK on one that a disc
                                         may hide; then the points of STP_WORK_RIM, large ones from the

@@ -34,8 +34,8 @@ static void scene_resources(struct stp_plan *plan)
     if (plan->facts.objects > 1)
         plan_resource(plan, "objects", PLAN_OBJECTS, PLAN_SCENE, n * 4);
     if (plan->constant[PLAN_CULL_CLUSTERS])
-        plan_resource(plan, "clusters", PLAN_CLUSTERS, PLAN_SCENE,
-                      (n + STP_CLUSTER - 1) / STP_CLUSTER * 32);
+        texels(plan, "clusters", PLAN_TEXEL_CLUSTERS, PLAN_TEXELS_RGBA32UI,
+               (n + STP_CLUSTER - 1) / STP_CLUSTER * 32);
     plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
                   plan->facts.objects * sizeof(struct stp_material_gpu));
 }
@@ -112,7 +112,7 @@ static void project(struct stp_plan *plan, const char *name, enum plan_shader sh
     pass->shader = shader;
     pass->of_points = true;
     plan_reads(plan, pass, PLAN_TEXEL_POINTS);
-    plan_reads(plan, pass, PLAN_CLUSTERS);
+    plan_reads(plan, pass, PLAN_TEXEL_CLUSTERS);
     plan_updates(plan, pass, PLAN_KEYS);
 }
 
@@ -185,16 +185,14 @@ static void push_listed(struct stp_plan *plan, uint32_t level, uint32_t argument
     plan_reads(plan, pass, PLAN_WORK);
 }
 
-static void shade(struct stp_plan *plan, const char *name, enum plan_shader shader,
-                  uint32_t argument)
+/* What shades pixels; the rest that it accesses is its caller's to say. */
+static struct plan_pass *shade(struct stp_plan *plan, const char *name, enum plan_shader shader,
+                               uint32_t argument)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, name);
     pass->shader = shader;
     pass->offset = argument * 4;
-    plan_updates(plan, pass, PLAN_WORK);
-    plan_updates(plan, pass, PLAN_RIM);
-    if (plan->rim_far)
-        plan_updates(plan, pass, PLAN_KEYS);
+    plan_reads(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_MATERIALS);
     plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
     plan_reads(plan, pass, PLAN_ENVIRONMENT);
@@ -205,8 +203,31 @@ static void shade(struct stp_plan *plan, const char *name, enum plan_shader shad
             plan_updates(plan, pass, slot);
         else
             plan_writes(plan, pass, slot);
-    if (shader >= PLAN_SHADER_PYRAMID_RIM_NEAR) /* what the push left there */
-        plan_reads(plan, pass, PLAN_OUT_DEPTH);
+    return pass;
+}
+
+/* Lists blocks and keeps a bit a pixel for the passes over the rim. */
+static void push_and_shade(struct stp_plan *plan, unsigned attributes)
+{
+    struct plan_pass *pass =
+        shade(plan, "push 0 and shade", PLAN_SHADER_PYRAMID_SHADE + attributes, STP_WORK_BLOCKS);
+    plan_updates(plan, pass, PLAN_WORK);
+    plan_writes(plan, pass, PLAN_RIM);
+    if (plan->rim_far)
+        plan_writes(plan, pass, PLAN_KEYS);
+}
+
+/* Reads the depths that the push left. */
+static void rim_near(struct stp_plan *plan, unsigned attributes)
+{
+    struct plan_pass *pass =
+        shade(plan, "rim near", PLAN_SHADER_PYRAMID_RIM_NEAR + attributes, STP_WORK_LOOK);
+    plan_reads(plan, pass, PLAN_RIM);
+    plan_reads(plan, pass, PLAN_OUT_DEPTH);
+    if (plan->rim_far) {
+        plan_updates(plan, pass, PLAN_WORK);
+        plan_writes(plan, pass, PLAN_KEYS);
+    }
 }
 
 static void rim_splat(struct stp_plan *plan, const char *name, enum plan_shader shader,
@@ -236,17 +257,19 @@ static void rim_far(struct stp_plan *plan, unsigned attributes)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, "rim find");
     pass->shader = PLAN_SHADER_PYRAMID_RIM_FIND;
-    pass->offset = STP_WORK_BLOCKS * 4;
+    pass->offset = STP_WORK_FIND * 4;
     plan_updates(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_IMAGE_PYRAMID);
-    plan_updates(plan, pass, PLAN_RIM);
+    plan_writes(plan, pass, PLAN_RIM);
     if (plan->constant[PLAN_ATOMIC64]) {
         rim_splats(plan, "rim splat", PLAN_SHADER_PYRAMID_RIM_SPLAT);
     } else {
         rim_splats(plan, "rim splat depth", PLAN_SHADER_PYRAMID_RIM_SPLAT32);
         rim_splats(plan, "rim splat id", PLAN_SHADER_PYRAMID_RIM_SPLAT_ID32);
     }
-    shade(plan, "rim shade", PLAN_SHADER_PYRAMID_RIM_SHADE + attributes, STP_WORK_OPEN);
+    pass = shade(plan, "rim shade", PLAN_SHADER_PYRAMID_RIM_SHADE + attributes, STP_WORK_OPEN);
+    plan_reads(plan, pass, PLAN_KEYS);
+    plan_reads(plan, pass, PLAN_OUT_DEPTH);
 }
 
 void plan_pyramid(struct stp_plan *plan)
@@ -261,8 +284,8 @@ void plan_pyramid(struct stp_plan *plan)
     blocks(plan);
     push_listed(plan, 2, STP_WORK_LEVEL_2, attributes);
     push_listed(plan, 1, STP_WORK_LEVEL_1, attributes);
-    shade(plan, "push 0 and shade", PLAN_SHADER_PYRAMID_SHADE + attributes, STP_WORK_BLOCKS);
-    shade(plan, "rim near", PLAN_SHADER_PYRAMID_RIM_NEAR + attributes, STP_WORK_LOOK);
+    push_and_shade(plan, attributes);
+    rim_near(plan, attributes);
     if (plan->rim_far)
         rim_far(plan, attributes);
 }

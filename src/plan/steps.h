@@ -25,7 +25,6 @@ enum plan_slot {
     PLAN_ORDER,
     PLAN_WORK,
     PLAN_OBJECTS,
-    PLAN_CLUSTERS,
     PLAN_RIM,
     PLAN_LARGE,
     PLAN_KEYS,
@@ -60,6 +59,7 @@ enum plan_slot {
     PLAN_TEXEL_SLOT_IDS,
     PLAN_TEXEL_PROJECTED, /* and those of PLAN_PROJECTED and PLAN_ORDER */
     PLAN_TEXEL_ORDER,
+    PLAN_TEXEL_CLUSTERS,
     PLAN_SLOTS
 };
 

@@ -7,7 +7,7 @@
 #include "base/thread.h"
 
 /* Of a walk's list, counted and filled apart; a block's entries are theirs in turn. */
-#define RUNS  16
+#define RUNS  8
 #define AHEAD 16 /* kernels that are fetched before their turn */
 
 struct blocking {

@@ -31,7 +31,8 @@ static uint8_t find_texels(const struct stp_plan *plan, enum plan_slot slot)
 }
 
 /* Slots have an address, and may be fetched as texels besides. Where they have no ids the slots
- * themselves stand at that binding: shaders name it, but fetch nothing. */
+ * themselves stand at that binding, and points where they have no clusters: shaders name it, but
+ * fetch nothing. */
 static uint8_t find_bound(const struct stp_plan *plan, uint32_t slot)
 {
     switch (slot) {
@@ -45,6 +46,10 @@ static uint8_t find_bound(const struct stp_plan *plan, uint32_t slot)
         return find_texels(plan, PLAN_PROJECTED);
     case PLAN_TEXEL_ORDER:
         return find_texels(plan, PLAN_ORDER);
+    case PLAN_TEXEL_CLUSTERS: {
+        uint8_t clusters = plan_find(plan, PLAN_TEXEL_CLUSTERS);
+        return clusters != PLAN_NONE ? clusters : plan_find(plan, PLAN_TEXEL_POINTS);
+    }
     default:
         return plan_find(plan, slot);
     }

@@ -79,7 +79,7 @@ bool record_upload_points(const struct stp_env *env, struct record_frame *frame,
     struct packing packing = { splats, first, NULL };
     enum plan_slot slot = frame->plan->resource[resource].slot;
     if (slot != PLAN_TEXEL_POINTS && slot != PLAN_TEXEL_RADII && slot != PLAN_COLORS &&
-        slot != PLAN_OBJECTS && slot != PLAN_CLUSTERS)
+        slot != PLAN_OBJECTS && slot != PLAN_TEXEL_CLUSTERS)
         return false;
     if (count == 0)
         return true;
@@ -88,7 +88,7 @@ bool record_upload_points(const struct stp_env *env, struct record_frame *frame,
                                 sizeof(struct point_texel), buffer);
     else if (slot == PLAN_OBJECTS)
         *result = upload_packed(env, frame, &packing, pack_objects, count, 4, buffer);
-    else if (slot == PLAN_CLUSTERS)
+    else if (slot == PLAN_TEXEL_CLUSTERS)
         *result = record_upload_clusters(env, frame, splats, first, count, buffer);
     else if (slot == PLAN_COLORS)
         *result = gpu_upload(env, frame->context, buffer, splats->color[first], count * 12);

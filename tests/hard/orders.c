@@ -2,7 +2,9 @@
 
 #define TIE  1e-5
 #define STEP 2e-4 /* pixels */
-/* What float32 leaves of a place in a picture some hundred pixels wide: 3 x 112 x 2^-24. */
+/* Pixels. Where a ray meets a splat is a sum of three terms linear in the pixel (s.x dx + s.y dy +
+ * s.z, lib/gaussian.glsl), each rounded to 2^-24 of itself and none beyond the picture's 112
+ * pixels: 3 x 112 x 2^-24. */
 #define MOVED 2e-5
 
 /* A splat's place in an order: the least is the nearest; of equal ones the first is. */

@@ -10,13 +10,15 @@ static struct inputs pyramid_inputs(void)
     return in;
 }
 
-static bool touches(const struct stp_plan *plan, const char *pass, enum plan_slot slot)
+/* How the pass accesses the slot: PLAN_READ, PLAN_WRITE, both; 0: not at all. */
+static unsigned access_of(const struct stp_plan *plan, const char *pass, enum plan_slot slot)
 {
     const struct plan_pass *p = pass_named(plan, pass);
-    bool found = false;
+    unsigned kind = 0;
     for (unsigned i = 0; i < p->access_count; i++)
-        found = found || plan->resource[p->access[i].resource].slot == slot;
-    return found;
+        if (plan->resource[p->access[i].resource].slot == slot)
+            kind |= p->access[i].kind;
+    return kind;
 }
 
 /* A splat of d pixels at the scene's depth takes ceil(log2 d) + 1 levels; blocks need four. Only
@@ -40,8 +42,46 @@ static void test_levels(void **state)
         assert_int_equal(pass_named(plan, "rim find") != NULL, cases[i].far);
         assert_int_equal(pass_named(plan, "rim splat, large") != NULL, cases[i].large);
         assert_int_equal(plan->constant[PLAN_RIM_FAR], cases[i].far);
-        assert_int_equal(touches(plan, "push 0 and shade", PLAN_KEYS), cases[i].far);
-        assert_int_equal(touches(plan, "rim near", PLAN_KEYS), cases[i].far);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
+/* The passes over the rim say what their shaders do, no more: barriers come from it. */
+static void test_accesses(void **state)
+{
+    static const unsigned both = PLAN_READ | PLAN_WRITE;
+    static const struct {
+        const char *pass;
+        enum plan_slot slot;
+        unsigned near, far; /* where discs reach the pixels beside their own, and beyond */
+    } cases[] = { { "push 0 and shade", PLAN_WORK, both, both },
+                  { "push 0 and shade", PLAN_RIM, PLAN_WRITE, PLAN_WRITE },
+                  { "push 0 and shade", PLAN_KEYS, 0, PLAN_WRITE },
+                  { "push 0 and shade", PLAN_OUT_DEPTH, PLAN_WRITE, PLAN_WRITE },
+                  { "rim near", PLAN_WORK, PLAN_READ, both },
+                  { "rim near", PLAN_RIM, PLAN_READ, PLAN_READ },
+                  { "rim near", PLAN_KEYS, 0, PLAN_WRITE },
+                  { "rim near", PLAN_OUT_DEPTH, both, both },
+                  { "rim find", PLAN_RIM, 0, PLAN_WRITE },
+                  { "rim splat", PLAN_RIM, 0, PLAN_READ },
+                  { "rim splat", PLAN_KEYS, 0, both },
+                  { "rim shade", PLAN_WORK, 0, PLAN_READ },
+                  { "rim shade", PLAN_RIM, 0, 0 },
+                  { "rim shade", PLAN_KEYS, 0, PLAN_READ },
+                  { "rim shade", PLAN_OUT_DEPTH, 0, both } };
+    for (int far = 0; far < 2; far++) {
+        struct inputs in = pyramid_inputs();
+        in.camera = plain_camera(1000, 700, 500);
+        in.scene->facts.radius_max = (far ? 20 : 0.5f) * 3 / 500;
+        struct stp_plan *plan = plan_of(&in);
+        for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+            unsigned wanted = far ? cases[i].far : cases[i].near;
+            if (pass_named(plan, cases[i].pass))
+                assert_int_equal(access_of(plan, cases[i].pass, cases[i].slot), wanted);
+            else
+                assert_int_equal(wanted, 0);
+        }
         stp_plan_destroy(&plan);
         release_inputs(&in);
     }
@@ -210,7 +250,7 @@ int main(void)
         cmocka_unit_test(test_levels),   cmocka_unit_test(test_only_what_is_needed),
         cmocka_unit_test(test_grid),     cmocka_unit_test(test_tile_grids),
         cmocka_unit_test(test_chunks),   cmocka_unit_test(test_without_atomics),
-        cmocka_unit_test(test_clusters),
+        cmocka_unit_test(test_clusters), cmocka_unit_test(test_accesses),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
