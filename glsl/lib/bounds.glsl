@@ -16,12 +16,12 @@ bool splat_crosses_near(Splat s)
 // Bounds and hits are those of clipped.glsl and clipped_hit.
 bool splat_clipped(Splat s, bool floored)
 {
-    return !ORTHOGRAPHIC && !floored && splat_crosses_near(s);
+    return CUTS && !ORTHOGRAPHIC && !floored && splat_crosses_near(s);
 }
 
 bool splat_before_near(Splat s)
 {
-    return s.center.z + splat_depth_reach(s) < frame.near_depth;
+    return CUTS && s.center.z + splat_depth_reach(s) < frame.near_depth;
 }
 
 // Offsets from the projected centre that the outline reaches; for splats before no plane.

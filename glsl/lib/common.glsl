@@ -82,6 +82,7 @@ const bool ELLIPSOIDS = AXIS_SHAPE == 1;                 // of range images
 const bool DISCS = AXIS_SHAPE == 2;                      // a surface's splats
 layout(constant_id = 37) const bool CULL_CLUSTERS = false; // pyramid: points, STP_CLUSTER at once
 layout(constant_id = 38) const bool RIM_FAR = false;       // discs reach beyond the pixels beside their own
+layout(constant_id = 39) const bool CUTS = true;           // near or far may cut a splat
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
@@ -100,4 +101,15 @@ layout(push_constant) uniform Push { uint push_first; uint push_sample; uint pus
 uint splat_known(uint id)
 {
     return min(id, frame.known_count - 1);
+}
+
+// Of an object. Where there is only one its material stands in the frame block: a software device loads
+// a constant once, and what has an address once a lane.
+MaterialData material_at(uint object)
+{
+    if (HAS_OBJECTS)
+        return frame.materials.v[object];
+    stp_material_gpu m = frame.material;
+    return MaterialData(m.ambient, m.diffuse, m.specular, m.shininess,
+                        vec3(m.albedo[0], m.albedo[1], m.albedo[2]), m.epsilon);
 }

@@ -5,14 +5,21 @@
 //   id, slabs:            slab 18 | rho 14 | id 32
 // Depth is quantised so that epsilon is exactly 2^m steps.
 
-uint normal_encode(vec3 n)
+// A unit normal on the octahedron, in two coordinates of that many bits.
+uint octahedral_encode(vec3 n, uint bits)
 {
     n /= abs(n.x) + abs(n.y) + abs(n.z);
     vec2 o = n.xy;
     if (n.z < 0)
         o = (1 - abs(n.yx)) * vec2(n.x >= 0 ? 1 : -1, n.y >= 0 ? 1 : -1);
-    ivec2 q = ivec2(round(o * 8191.0));
-    return uint(q.x & 0x3fff) | uint(q.y & 0x3fff) << 14;
+    uint mask = (1u << bits) - 1;
+    ivec2 q = ivec2(round(o * float(mask >> 1)));
+    return (uint(q.x) & mask) | (uint(q.y) & mask) << bits;
+}
+
+uint normal_encode(vec3 n)
+{
+    return octahedral_encode(n, 14);
 }
 
 // Of a fragment whose splat has a normal field; else it is the same all over the splat.
@@ -21,14 +28,21 @@ uint fragment_encode(Splat s, Fragment f, uint encoded)
     return PHONG != 0 ? normal_encode(fragment_normal(s, f)) : encoded;
 }
 
-vec3 normal_decode(uint u)
+vec3 octahedral_decode(uint u, uint bits)
 {
-    vec2 o = vec2(int(u << 18) >> 18, int(u << 4) >> 18) * (1.0 / 8191.0);
+    float unit = 1.0 / float((1u << (bits - 1)) - 1);
+    uint above = 32 - bits;
+    vec2 o = vec2(int(u << above) >> above, int(u << (above - bits)) >> above) * unit;
     vec3 n = vec3(o, 1 - abs(o.x) - abs(o.y));
     float fold = max(-n.z, 0);
     n.x += n.x >= 0 ? -fold : fold;
     n.y += n.y >= 0 ? -fold : fold;
     return n * inversesqrt(dot(n, n));
+}
+
+vec3 normal_decode(uint u)
+{
+    return octahedral_decode(u, 14);
 }
 
 uint depth_quantise(float depth)

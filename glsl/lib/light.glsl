@@ -95,7 +95,7 @@ vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)
 vec3 shade_fragment(uint id, vec3 n, vec2 at, float depth)
 {
     uint object = HAS_OBJECTS ? floatBitsToUint(frame.splats.v[2 * id + 1].w) >> 8 : 0;
-    MaterialData m = frame.materials.v[object];
+    MaterialData m = material_at(object);
     vec3 albedo = m.albedo;
     if (HAS_COLOR)
         albedo = frame.colors.v[id];

@@ -40,34 +40,13 @@ uint object_of_surface(bool hit, Surface s)
     return hit ? SURFACE_OBJECT(s) : 0;
 }
 
-// MATERIAL_KEPT: where all is one object its material is loaded once a pixel, by material_keep,
-// however many surfaces there are.
-#ifdef MATERIAL_KEPT
-MaterialData material_kept;
-
-void material_keep()
-{
-    if (!HAS_OBJECTS)
-        material_kept = frame.materials.v[0];
-}
-#endif
-
-MaterialData material_of(bool hit, Surface s)
-{
-#ifdef MATERIAL_KEPT
-    if (!HAS_OBJECTS)
-        return material_kept;
-#endif
-    return frame.materials.v[object_of_surface(hit, s)];
-}
-
 Look surface_look(uvec2 p, bool hit, Surface s)
 {
     Look look;
     bool vanished = !(s.weight >= 1e-6 && dot(s.normal, s.normal) >= 1e-12);
     look.normal = vanished ? s.near_normal : s.normal * inversesqrt(dot(s.normal, s.normal));
     look.depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
-    MaterialData m = material_of(hit, s);
+    MaterialData m = material_at(object_of_surface(hit, s));
     look.albedo = m.albedo;
     if (HAS_COLOR)
         look.albedo = vanished || SHADE != 0 ? frame.colors.v[hit ? splat_known(s.id) : 0] : s.albedo / s.weight;

@@ -253,7 +253,7 @@ Footprint footprint_make(Splat s, out bool floored)
 
 bool fragment_seen(Phong e, Fragment fragment)
 {
-    bool seen = fragment.depth >= frame.near_depth && fragment.depth <= frame.far_depth;
+    bool seen = !CUTS || (fragment.depth >= frame.near_depth && fragment.depth <= frame.far_depth);
     return PHONG == 2 ? seen && clip_keeps(e, fragment.st) : seen;
 }
 
@@ -268,7 +268,8 @@ bool footprint_hit(Footprint f, Phong e, vec2 d, out Fragment fragment)
     fragment = Fragment(form * inv * inv, depth, vec2(0));
     if (PHONG != 0)
         fragment.st = (f.st.xy * u + f.st.zw * d.y) * inv;
-    return form <= den * den && fragment_seen(e, fragment);
+    // A den of 0 is an edge-on plane through the eye: no depth.
+    return form <= den * den && den != 0 && fragment_seen(e, fragment);
 }
 
 // A depth as bits that order as it does: depths of orthographic views may be negative, so they are

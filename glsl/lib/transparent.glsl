@@ -10,5 +10,10 @@ uint splat_object(uint id)
 
 MaterialData splat_material(uint id)
 {
-    return frame.materials.v[splat_object(id)];
+    return material_at(splat_object(id));
 }
+
+// Of an image's nearest fragment are kept its depth and a word: its splat; or, where nothing asks for
+// that (PACKED), what it adds to the mean, normal 24 | rho^2 8. No word is STP_NO_ID.
+const uint WINNER_NORMAL_BITS = 12;
+const float WINNER_RHO = 254;

@@ -1,18 +1,19 @@
-// What the splat's vertices hand to its fragments: the footprint, flat.
+// What the splat's vertices hand to its fragments: the footprint, flat; and what else is the same for
+// all of them. A software device gathers a constant of the frame block for each lane, at some 35
+// instructions, and broadcasts what is flat.
 #ifdef FRAGMENT
 #define VARY(at) layout(location = at) flat in
 #else
 #define VARY(at) layout(location = at) flat out
 #endif
 // A software device stores and sets up each location of each triangle: there are few, and full.
-VARY(0) uvec4 vary_words; // id, the normal where PACKED or BLENDED's slab, whole
+VARY(0) uvec4 vary_words; // id, the normal where PACKED, whole within the tile
 VARY(1) vec4 vary_a;      // part, zc, g
 VARY(2) vec4 vary_b;      // ab, h
 VARY(3) vec4 vary_c;      // q, reach (negative: the near plane cuts the splat; see vary_clipped)
 VARY(4) vec3 vary_normal;
 #define vary_id      vary_words.x
 #define vary_encoded vary_words.y
-#define vary_thick   vary_words.y // of its object's slabs, over the least, as bits
 #ifdef WITH_PHONG
 VARY(5) vec4 vary_st;
 VARY(6) vec3 vary_field; // the field's normal is vary_field + vary_field_s s + vary_field_t t
@@ -21,6 +22,9 @@ VARY(8) vec3 vary_field_t;
 #endif
 #ifdef BLENDED
 VARY(5) vec4 vary_color; // shaded, or the albedo; opacity
+VARY(6) vec4 vary_slabs; // where zc is, in slabs; slabs a unit; vary_thick; hardware depth of one
+#define vary_thick     vary_slabs.z // over the least; with HAS_OBJECTS
+#define vary_rho_scale vary_slabs.z // units of the winner's rho^2; where PACKED, which has one object
 #endif
 
 // A splat that the near plane cuts has no footprint; in its place goes what clipped_hit takes. A
@@ -66,9 +70,9 @@ Fragment fragment_here()
     clip_load(vary_id, e);
 #endif
     Fragment fragment;
-    uvec2 pixel = uvec2(gl_FragCoord.xy) + uvec2(frame.tile_x, frame.tile_y);
-    bool hit = f.reach < 0 ? clipped_here(e, pixel, fragment)
-                           : footprint_hit(f, e, place_offset(f.p, pixel), fragment);
+    uvec2 at = uvec2(gl_FragCoord.xy), pixel = at + uvec2(frame.tile_x, frame.tile_y);
+    PRECISE vec2 d = vec2(ivec2(at) - f.p.whole) + (sample_part(pixel) - f.p.part);
+    bool hit = CUTS && f.reach < 0 ? clipped_here(e, pixel, fragment) : footprint_hit(f, e, d, fragment);
     if (!hit)
         discard;
     return fragment;

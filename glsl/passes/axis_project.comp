@@ -56,7 +56,7 @@ void main()
         vec3 n = turn(decode_normal(encoded));
         if ((ORTHOGRAPHIC ? n.z : dot(n, c)) > 0)
             n = -n;
-        color = shade_at(frame.materials.v[0], color, n, c);
+        color = shade_at(material_at(0), color, n, c);
     }
     frame.projected.v[2 * i] = vec4(c, log2(place.w));
     frame.projected.v[2 * i + 1] = vec4(color, 1); // 1: a kernel, for axis_splat.vert

@@ -74,7 +74,7 @@ void main()
     vec3 n = s.normal;
     if (PHONG != 0)
         n = phong_normal(s.phong, s.normal, vec2(0));
-    MaterialData m = frame.materials.v[HAS_OBJECTS ? s.tag >> 8 : 0];
+    MaterialData m = material_at(s.tag >> 8);
     vec3 albedo = m.albedo;
     if (HAS_COLOR)
         albedo = frame.colors.v[id];

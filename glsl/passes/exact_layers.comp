@@ -7,7 +7,6 @@
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
 #include "lib/resolve.glsl"
-#define MATERIAL_KEPT
 #include "lib/shade.glsl"
 #include "lib/slots.glsl"
 #include "lib/layers.glsl"
@@ -83,7 +82,6 @@ void main()
     uint count = frame.counts.v[pixel];
     if (slots_overflowed(pixel, count))
         return;
-    material_keep();
     Term kept[KEPT];
     Rank next = RANK_NONE, wall = RANK_NONE;
     if (PACKED) {

@@ -23,7 +23,7 @@ void main()
         return;
     // Materials of one: the sums apart. Every object has the first one's shininess.
     MaterialData matt = MaterialData(0, 1, 0, 1, vec3(1), 0);
-    MaterialData shiny = MaterialData(0, 0, 1, frame.materials.v[0].shininess, vec3(0), 0);
+    MaterialData shiny = MaterialData(0, 0, 1, frame.material.shininess, vec3(0), 0);
     vec3 n = texel_normal(texel);
     frame.light_cube.v[2 * texel] = lights_at(matt, vec3(1), n, vec3(0));
     frame.light_cube.v[2 * texel + 1] = lights_at(shiny, vec3(0), n, vec3(0));

@@ -9,7 +9,6 @@
 #include "lib/pyramid.glsl"
 #include "lib/rim.glsl"
 #define SURFACE_OBJECT(s) surface_object
-#define MATERIAL_KEPT
 uint surface_object;
 #include "lib/shade.glsl"
 #include "lib/own.glsl"
@@ -70,7 +69,6 @@ void main()
     uint index = workgroup_index(), columns = frame.grid_width / STP_BLOCK;
     if (index >= frame.work.v[STP_WORK_LOOK + 3])
         return;
-    material_keep();
     far = discs_far();
     uint block = listed_block(LOOK, index), lane = gl_LocalInvocationIndex;
     uint left = frame.rim.v[block * STP_GROUP + lane];

@@ -8,7 +8,6 @@
 #include "lib/pyramid.glsl"
 #include "lib/rim.glsl"
 #define SURFACE_OBJECT(s) surface_object
-#define MATERIAL_KEPT
 uint surface_object;
 #include "lib/shade.glsl"
 #include "lib/own.glsl"
@@ -41,7 +40,6 @@ void main()
     uint index = workgroup_index(), columns = frame.grid_width / STP_BLOCK;
     if (index >= frame.work.v[STP_WORK_OPEN + 3])
         return;
-    material_keep();
     uint block = listed_block(OPEN, index);
     uvec2 corner = uvec2(block % columns, block / columns) * STP_BLOCK;
     uvec2 tile = uvec2(ivec2(frame.tile_x, frame.tile_y) - ivec2(frame.grid_x, frame.grid_y));

@@ -8,7 +8,6 @@
 #include "lib/push.glsl"
 #include "lib/rim.glsl"
 #define SURFACE_OBJECT(s) surface_object
-#define MATERIAL_KEPT
 uint surface_object;
 #include "lib/shade.glsl"
 #include "lib/own.glsl"
@@ -52,7 +51,6 @@ void main()
     uint index = workgroup_index(), columns = frame.grid_width / STP_BLOCK;
     if (index >= frame.work.v[STP_WORK_BLOCKS + 3])
         return;
-    material_keep();
     uint block = listed_block(TOUCHED, index), again = 0, turn = 1;
     uvec2 open = uvec2(0);
     bool far = discs_far();

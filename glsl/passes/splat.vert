@@ -58,6 +58,17 @@ vec4 ellipse_vertex(Footprint f, vec2 turn)
     return to_clip(place_position(f.p) + WIDE * d, 0.5, 1);
 }
 
+#ifdef BLENDED
+// ZP Eq. 6. Slabs of the groups are shifted against each other, so that their seams do not meet. What is
+// transparent has slabs of its object's epsilon; what is opaque, of the least: nothing behind may keep
+// it out.
+vec4 slabs_of(float depth, bool opaque, float epsilon)
+{
+    float thick = HAS_OBJECTS && !opaque ? epsilon * frame.slab_scale : 1, scale = frame.slab_scale / thick;
+    return vec4((depth - frame.depth_low) * scale + push_shift, scale, thick, frame.raster_slab);
+}
+#endif
+
 void main()
 {
     uint index = gl_VertexIndex / 3, corner = gl_VertexIndex % 3;
@@ -74,7 +85,7 @@ void main()
     s.radius *= push_factor;
     // The object of the splat as it was loaded: where it was loaded once more for the tag alone, Mesa
     // 22.3 on a CPU gave another of its words, and the material was looked up far outside.
-    MaterialData material = frame.materials.v[HAS_OBJECTS ? s.tag >> 8 : 0];
+    MaterialData material = material_at(s.tag >> 8);
     vec3 albedo = HAS_COLOR ? frame.colors.v[id] : material.albedo;
     vary_color = vec4(SHADED_ONCE ? shade(material, albedo, s.normal, vec2(0), 0) : albedo,
                       splat_opacity(id));
@@ -91,11 +102,14 @@ void main()
 #if defined(WITH_PHONG)
     const uint encoded = 0;
 #elif defined(BLENDED)
-    uint encoded = HAS_OBJECTS ? floatBitsToUint(material.epsilon * frame.slab_scale) : 0;
+    uint encoded = PACKED ? octahedral_encode(s.normal, WINNER_NORMAL_BITS) << 8 : 0;
+    vary_slabs = slabs_of(f.zc, MIXED && vary_color.w == 1, material.epsilon);
+    if (PACKED)
+        vary_rho_scale = WINNER_RHO * push_factor * push_factor; // as if the radius were not enlarged
 #else
     uint encoded = PACKED ? normal_encode(s.normal) : 0;
 #endif
-    vary_words = uvec4(id, encoded, f.p.whole);
+    vary_words = uvec4(id, encoded, f.p.whole - ivec2(frame.tile_x, frame.tile_y));
     vary_a = vec4(f.p.part, f.zc, f.g);
     vary_b = vec4(f.ab, f.h);
     vary_c = vec4(f.q, f.reach);

@@ -20,18 +20,15 @@ layout(location = 0) out uvec2 nearest;
 layout(location = 1) out vec4 blended;
 #endif
 
-// Slabs of the groups are shifted against each other, so that their seams do not meet. An opaque
-// fragment wins its slab, which is a least epsilon thick: nothing behind it may keep it out. Where
-// objects have epsilons of their own so have the slabs of what is transparent, which are compared by
-// where they end, in least epsilons: what is nearer by its own epsilon passes.
-float slab_of(float depth, bool opaque)
+// Hardware depth of the fragment's slab (see slabs_of). An opaque fragment wins its slab. Where objects
+// have epsilons of their own so have the slabs, which are compared by where they end, in least epsilons:
+// what is nearer by its own epsilon passes.
+float slab_depth(float depth, bool opaque)
 {
-    float at = (depth - frame.depth_low) * frame.slab_scale;
-    if (!HAS_OBJECTS || opaque)
-        return floor(at + push_shift);
-    float thick = uintBitsToFloat(vary_thick);
-    float end = (floor(at / thick + push_shift) + 1) * thick;
-    return min(end, 1 / frame.raster_slab - 1) - 1;
+    float at = floor(vary_slabs.x + (depth - vary_a.z) * vary_slabs.y), unit = vary_slabs.w;
+    if (HAS_OBJECTS)
+        at = min((at + 1) * vary_thick, 1 / unit - 1) - 1;
+    return clamp(1 - (at - (opaque ? 0.5 : 0.0)) * unit, 0, 1);
 }
 
 void main()
@@ -44,7 +41,8 @@ void main()
     if (!opaque && f.depth <= uintBitsToFloat(frame.nearest.v[p.y * frame.tile_width + p.x]))
         discard;
 #else
-    nearest = uvec2(vary_id, floatBitsToUint(f.depth));
+    uint adds = vary_encoded | uint(min(f.rho2 * vary_rho_scale, WINNER_RHO) + 0.5);
+    nearest = uvec2(PACKED ? adds : vary_id, floatBitsToUint(f.depth));
 #endif
     vec3 color = vary_color.xyz;
     if (!SHADED_ONCE)
@@ -53,5 +51,5 @@ void main()
         color = surface_mirrors(frame.optics.v[splat_object(vary_id)], color, vary_normal,
                                 ray_direction(pixel_position(p)));
     blended = vec4(color * vary_color.w, vary_color.w);
-    gl_FragDepth = clamp(1 - (slab_of(f.depth, opaque) - (opaque ? 0.5 : 0.0)) * frame.raster_slab, 0, 1);
+    gl_FragDepth = slab_depth(f.depth, opaque);
 }

@@ -8,16 +8,17 @@
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
 #include "lib/transparent.glsl"
+#include "lib/key.glsl"
 #include "lib/glass.glsl"
 layout(set = 0, binding = 1, rg32ui) uniform readonly uimage2DArray winners;
 layout(set = 0, binding = 3, rgba32f) uniform readonly image2DArray blended;
 
 struct Winner {
-    uint id;
+    uint id; // or what it adds, where PACKED
     float depth;
 };
 
-// A splat that won in several groups counts once.
+// A splat that won in several groups counts once; where PACKED, what cannot be told apart.
 void read_winners(uvec2 p, out Winner w[K], out Winner nearest)
 {
     nearest = Winner(STP_NO_ID, 1.0 / 0.0);
@@ -25,12 +26,23 @@ void read_winners(uvec2 p, out Winner w[K], out Winner nearest)
         uvec2 v = imageLoad(winners, ivec3(p, k)).xy;
         bool again = v.x == STP_NO_ID;
         [[unroll]] for (uint j = 0; j < k; j++)
-            again = again || w[j].id == v.x;
+            again = again || (w[j].id == v.x && (!PACKED || w[j].depth == uintBitsToFloat(v.y)));
         w[k] = again ? Winner(STP_NO_ID, 1.0 / 0.0) : Winner(v.x, uintBitsToFloat(v.y));
         bool nearer = w[k].depth < nearest.depth ||
                       (w[k].depth == nearest.depth && w[k].id < nearest.id);
         nearest = Winner(nearer ? w[k].id : nearest.id, nearer ? w[k].depth : nearest.depth);
     }
+}
+
+vec3 winner_normal(Winner w, uvec2 p, out float rho2)
+{
+    if (PACKED) {
+        rho2 = float(w.id & 255) * (1 / WINNER_RHO);
+        return octahedral_decode(w.id >> 8, WINNER_NORMAL_BITS);
+    }
+    Splat splat;
+    rho2 = fragment_again(w.id, p, splat).rho2;
+    return splat.normal;
 }
 
 // The nearest layer: its sums, and its opacity.
@@ -43,17 +55,18 @@ Surface near_surface(uvec2 p, Winner w[K], Winner nearest, out float alpha)
     [[unroll]] for (uint k = 0; k < K; k++) {
         if (!(w[k].depth <= limit) || splat_opaque(w[k].id) != solid)
             continue;
-        Splat splat;
-        float weight = kernel_weight(fragment_again(w[k].id, p, splat).rho2);
+        float rho2;
+        vec3 normal = winner_normal(w[k], p, rho2);
+        float weight = kernel_weight(rho2);
         s.weight += weight;
-        s.normal += weight * splat.normal;
+        s.normal += weight * normal;
         s.depth += weight * (w[k].depth - nearest.depth);
         s.fragments++;
         if (HAS_COLOR)
             s.albedo += weight * frame.colors.v[w[k].id];
         alpha += weight * splat_opacity(w[k].id);
         if (w[k].id == nearest.id)
-            s.near_normal = splat.normal;
+            s.near_normal = normal;
     }
     s.depth = nearest.depth + s.depth / s.weight;
     alpha = s.weight > 0 ? alpha / s.weight : splat_opacity(nearest.id);

@@ -246,6 +246,7 @@ struct stp_frame_constants {
     float pyramid_floor;             /* least radius on the screen, pixels */
     float pyramid_color;             /* colours are packed times this */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
+    STP_STRUCT(stp_material_gpu) material; /* of the first object; the only one without HAS_OBJECTS */
     STP_STRUCT(stp_axis_gpu) axis;
     float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
     STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];

@@ -59,7 +59,7 @@ _Static_assert(STP_AXIS_MERGE_CLIP - STP_AXIS_MERGE_BLEND == STP_AXIS_CLIP - STP
                "merges");
 _Static_assert(offsetof(struct stp_frame_constants, axis) ==
                    offsetof(struct stp_frame_constants, lights) +
-                       STP_LIGHTS * sizeof(struct stp_light_gpu),
+                       STP_LIGHTS * sizeof(struct stp_light_gpu) + sizeof(struct stp_material_gpu),
                "axis");
 _Static_assert(sizeof(struct stp_frame_constants) % 4 == 0 &&
                    sizeof(struct stp_frame_constants) < 65536,

@@ -147,6 +147,7 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
     bool packable = fits && plan->voronoi != STP_VORONOI_EXACT &&
                     (plan->method == STP_METHOD_EXACT ||
                      (plan->method == STP_METHOD_DEFERRED && opaque && !wants_ids));
+    packable = packable || (!wants_ids && plan_packs_winners(plan));
     bool packed = packable && plan->params.payload != STP_PAYLOAD_ID;
     plan->payload = packed ? STP_PAYLOAD_PACKED : STP_PAYLOAD_ID;
     if (!packed && plan->voronoi == STP_VORONOI_SLAB && range_over_epsilon > MOST_SLABS)

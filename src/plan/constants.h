@@ -43,6 +43,7 @@ enum plan_constant {
     PLAN_AXIS_SHAPE,    /* enum axis_shape */
     PLAN_CULL_CLUSTERS, /* pyramid: points are culled by STP_CLUSTER before they are projected */
     PLAN_RIM_FAR,       /* pyramid: discs reach beyond the pixels beside their own */
+    PLAN_CUTS,          /* near or far may cut a splat: of this view, or of one to come */
     PLAN_CONSTANTS
 };
 

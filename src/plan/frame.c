@@ -49,8 +49,8 @@ static void transform(struct stp_plan *plan)
     f->height = camera->height;
 }
 
-/* Eye depths of the scene's bounds within near and far: the d_min and d_max of ZP Eq. 6. */
-static void depth_range(const struct stp_plan *plan, double *low, double *high)
+/* Eye depths of the bounds of the splats' centres. */
+static void center_depths(const struct stp_plan *plan, double *low, double *high)
 {
     const double *b = plan->facts.bounds;
     *low = INFINITY;
@@ -61,10 +61,26 @@ static void depth_range(const struct stp_plan *plan, double *low, double *high)
         *low = fmin(*low, depth);
         *high = fmax(*high, depth);
     }
+}
+
+/* Of the scene within near and far: the d_min and d_max of ZP Eq. 6. */
+static void depth_range(const struct stp_plan *plan, double *low, double *high)
+{
+    center_depths(plan, low, high);
     *low = fmax(*low - plan->facts.radius_max, plan->camera.near_depth);
     *high = fmin(*high + plan->facts.radius_max, plan->camera.far_depth);
     if (!(*high > *low))
         *high = *low + plan->frame.epsilon;
+}
+
+/* May near or far cut a splat? Groups that cover the surface have radii up to twice as large; one
+ * radius more, and a thousandth of the depth, is what is left to roundings. */
+static bool may_cut(const struct stp_plan *plan)
+{
+    double low, high;
+    center_depths(plan, &low, &high);
+    double reach = 3 * (double)plan->facts.radius_max + 1e-3 * fmax(fabs(low), fabs(high));
+    return !(low - reach > plan->camera.near_depth && high + reach < plan->camera.far_depth);
 }
 
 /* Depth in 24 bits, with epsilon exactly 2^m steps: epsilon tests and slabs are integer. */
@@ -137,11 +153,12 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     c[PLAN_TWO_SIDED] = plan->facts.two_sided;
     c[PLAN_CULL_BACK] = p->cull == STP_CULL_BACK;
     c[PLAN_FLOOR] = plan->frame.floor_size > 0;
+    c[PLAN_CUTS] = may_cut(plan);
     c[PLAN_ORTHOGRAPHIC] = plan->camera.orthographic;
     c[PLAN_HAS_COLOR] = plan->facts.has_color;
     c[PLAN_HAS_OBJECTS] = plan->facts.objects > 1;
     c[PLAN_HAS_UNKNOWN] = plan->facts.no_normal > 0;
-    /* A scene that is shaded by depth has unlit materials (record/upload.c) and needs no lights. */
+    /* A scene that is shaded by depth has unlit materials (plan_material) and needs no lights. */
     bool lit = !plan->facts.eye_dome;
     c[PLAN_HEAD_LIGHT] = !lit || (scene->light_count == 1 && is_head_light(&scene->lights[0]));
     c[PLAN_LOCAL_VIEWER] = lit && p->local_viewer;
@@ -162,6 +179,22 @@ static void constants(struct stp_plan *plan, const struct stp_scene *scene)
     c[PLAN_SHADE] = p->shade;
     c[PLAN_PHONG] = plan->facts.clip_lines ? 2 : plan->facts.phong > 0;
     plan->frame.opacity = plan->facts.opacity_min;
+}
+
+struct stp_material_gpu plan_material(const struct stp_plan *plan,
+                                      const struct scene_object *object)
+{
+    const struct stp_material *m = &object->material;
+    bool lit = !plan->facts.eye_dome;
+    double epsilon = plan->params.epsilon;
+    return (struct stp_material_gpu){
+        .ambient = lit ? m->ambient : 1, /* eye dome: albedo times what depth says */
+        .diffuse = lit ? m->diffuse : 0,
+        .specular = lit ? m->specular : 0,
+        .shininess = m->shininess,
+        .albedo = { m->albedo[0], m->albedo[1], m->albedo[2] },
+        .epsilon = (float)(epsilon > 0 ? epsilon : object->epsilon),
+    };
 }
 
 /* The least of the objects': slabs, and steps of depth, must not be wider than any epsilon. An
@@ -196,6 +229,7 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
     plan->light_count = f->light_count = scene->light_count;
     memcpy(plan->lights, scene->lights, sizeof plan->lights);
     place_lights(plan);
+    f->material = plan_material(plan, &scene->objects[0]);
     if (p->background) {
         float alpha = p->background[3];
         for (int i = 0; i < 3; i++)

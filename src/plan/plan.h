@@ -134,12 +134,20 @@ uint64_t plan_chunk_points(const struct stp_plan *plan);
 /* Cuts the points into chunks where the device cannot hold them all; false: not even so. */
 bool plan_pyramid_chunks(struct stp_plan *plan);
 void plan_transparent(struct stp_plan *plan);
+/* Do its images hold what a nearest fragment adds to the mean, in the place of its id? If no id is
+ * wanted besides. */
+bool plan_packs_winners(const struct stp_plan *plan);
 /* Before the two-pass method is repeated for every layer: nothing is peeled; where what is opaque
  * ends the rays. */
 void plan_peel_begin(struct stp_plan *plan);
 
 /* plan/frame.c: the view, in double, to the constants that shaders read. */
 void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene);
+
+/* What shaders read of an object's material. */
+struct scene_object;
+struct stp_material_gpu plan_material(const struct stp_plan *plan,
+                                      const struct scene_object *object);
 
 /* The same for another camera, with nothing allocated: its size is at most that which the plan was
  * made for, its projection of the same kind. */

@@ -18,7 +18,7 @@ static const char *const constant_names[] = {
     "atomic64",     "layered",       "float64",   "sample_grid", "lanes",           "axis_walks",
     "axis_cut",     "unlit",         "axis_walk", "axis_part",   "opacity",         "mixed",
     "optics",       "host_depth",    "deep",      "phong",       "shade",           "light_cube",
-    "axis_shape",   "cull_clusters", "rim_far",
+    "axis_shape",   "cull_clusters", "rim_far",   "cuts",
 };
 _Static_assert(sizeof constant_names / sizeof *constant_names == PLAN_CONSTANTS, "a name each");
 

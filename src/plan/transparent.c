@@ -88,6 +88,15 @@ static void resources(struct stp_plan *plan, bool nearest)
                       (uint64_t)plan->tile_width * plan->tile_height * 4);
 }
 
+/* Only fast: the first layer of nearest is interpolated as well as can be. Glass asks for
+ * materials, weights are wanted as they are. */
+bool plan_packs_winners(const struct stp_plan *plan)
+{
+    return plan->transparency == STP_TRANSPARENCY_FAST &&
+           !(plan->constant[PLAN_OPTICS] & STP_OPTICS_GLASS) &&
+           !(plan->params.aovs & STP_AOV_WEIGHT);
+}
+
 void plan_transparent(struct stp_plan *plan)
 {
     const enum plan_slot images[] = { PLAN_IMAGE_ID, PLAN_IMAGE_SUM, PLAN_SLOTS };

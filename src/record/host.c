@@ -57,11 +57,13 @@ static enum stp_result own_plan(const struct stp_env *env, const struct stp_plan
     enum stp_result result = plan_copy(env, plan, &made);
     if (result == STP_OK && params->composite == STP_COMPOSITE_OVER)
         result = plan_behind_host(env, made, pass_host_depth(params->depth_format));
-    if (result == STP_OK)
-        *own = made;
-    else
+    if (result != STP_OK) {
         stp_plan_destroy(&made);
-    return result;
+        return result;
+    }
+    made->constant[PLAN_CUTS] = 1; /* a camera to come may be anywhere */
+    *own = made;
+    return STP_OK;
 }
 
 static enum stp_result fill(const struct stp_env *env, const struct stp_plan *plan,

@@ -103,20 +103,8 @@ static enum stp_result upload_materials(const struct stp_env *env, struct record
     struct stp_material_gpu *out = mem_alloc(scene->object_count, sizeof *out);
     if (!out)
         return log_no_memory(env, scene->object_count * sizeof *out, "materials");
-    double epsilon = frame->plan->params.epsilon;
-    for (unsigned i = 0; i < scene->object_count; i++) {
-        const struct scene_object *o = &scene->objects[i];
-        const struct stp_material *m = &o->material;
-        bool lit = !frame->plan->facts.eye_dome;
-        out[i] = (struct stp_material_gpu){
-            .ambient = lit ? m->ambient : 1, /* eye dome: albedo times what depth says */
-            .diffuse = lit ? m->diffuse : 0,
-            .specular = lit ? m->specular : 0,
-            .shininess = m->shininess,
-            .albedo = { m->albedo[0], m->albedo[1], m->albedo[2] },
-            .epsilon = (float)(epsilon > 0 ? epsilon : o->epsilon),
-        };
-    }
+    for (unsigned i = 0; i < scene->object_count; i++)
+        out[i] = plan_material(frame->plan, &scene->objects[i]);
     enum stp_result result =
         gpu_upload(env, frame->context, buffer, out, scene->object_count * sizeof *out);
     mem_free(out);

@@ -66,6 +66,37 @@ static void test_same_bits(void **state)
     stage_close(&s);
 }
 
+/* A plan that was made where neither plane cuts anything, then near goes through the ball, then
+ * far. */
+static void test_planes_that_come(void **state)
+{
+    const struct stp_host_frame_params format = { .color_format = VK_FORMAT_R32G32B32A32_SFLOAT };
+    struct stage s;
+    stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
+    struct stp_camera from = s.camera;
+    double middle = -from.world_to_camera[11]; /* the ball is round the origin */
+    for (unsigned i = 0; i < 2 * sizeof ways / sizeof *ways; i++) {
+        const struct stp_render_params *params = &ways[i / 2].params;
+        s.camera = from;
+        struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, params);
+        struct stp_resident *resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
+        struct stp_image *whole = stage_offline(&s.engine, s.scene, &s.camera, params);
+        *(i % 2 ? &s.camera.far_depth : &s.camera.near_depth) = middle;
+        struct stp_image *expected = stage_offline(&s.engine, s.scene, &s.camera, params);
+        float *texels = embedded(&s, plan, resident, &format);
+        stage_same(expected, texels, ways[i / 2].name);
+        size_t bytes = sizeof(float) * expected->width * expected->height;
+        if (i % 2 == 0)
+            assert_memory_not_equal(stage_plane(whole, "Z"), stage_plane(expected, "Z"), bytes);
+        free(texels);
+        stp_image_destroy(&whole);
+        stp_image_destroy(&expected);
+        stp_resident_destroy(&resident);
+        stp_plan_destroy(&plan);
+    }
+    stage_close(&s);
+}
+
 /* What was recorded with fewer features enabled, or through staging memory, or with the splats in a
  * buffer of the host's, is the same picture as offline with those features masked. */
 static void test_masked(void **state)
@@ -260,11 +291,9 @@ static void test_record_allocates_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_bits),
-        cmocka_unit_test(test_masked),
-        cmocka_unit_test(test_staged),
-        cmocka_unit_test(test_hidden),
-        cmocka_unit_test(test_record_allocates_nothing),
+        cmocka_unit_test(test_same_bits), cmocka_unit_test(test_planes_that_come),
+        cmocka_unit_test(test_masked),    cmocka_unit_test(test_staged),
+        cmocka_unit_test(test_hidden),    cmocka_unit_test(test_record_allocates_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -173,6 +173,21 @@ static void gpu(struct inputs *in)
     in->limits.processor = 2;
 }
 
+/* The discs lie 3 before the eye, 0.1 wide. */
+static void near_cuts(struct inputs *in)
+{
+    in->camera.near_depth = 2.95;
+}
+static void far_cuts(struct inputs *in)
+{
+    in->camera.far_depth = 3.05;
+}
+static void planes_beside(struct inputs *in)
+{
+    in->camera.near_depth = 2.6;
+    in->camera.far_depth = 3.4;
+}
+
 /* What appears ("+name") or goes ("-name"); NULL: nothing. constant -1: none changes. */
 static const struct feature {
     const char *name;
@@ -203,6 +218,9 @@ static const struct feature {
     { "gauss", gauss, ALL, NULL, NULL, PLAN_GAUSS, 1 },
     { "local viewer", local_viewer, ALL, NULL, NULL, PLAN_LOCAL_VIEWER, 1 },
     { "orthographic", flat, ALL, NULL, NULL, PLAN_ORTHOGRAPHIC, 1 },
+    { "near through splats", near_cuts, ALL, NULL, NULL, PLAN_CUTS, 1 },
+    { "far through splats", far_cuts, ALL, NULL, NULL, PLAN_CUTS, 1 },
+    { "near and far beside them", planes_beside, ALL, NULL, NULL, PLAN_CUTS, 0 },
     { "eye dome", eye_dome, ALL, NULL, "+eye dome", -1, 0 },
     { "exact Voronoi", voronoi_exact, KEYS, "+nearest", "+nearest", PLAN_VORONOI, 2 },
     { "samples", samples, EXACT | TWO_PASS | KEYS, NULL, NULL, PLAN_SAMPLE_GRID, 3 },

@@ -143,10 +143,10 @@ static void skipped_across_pools(void **state)
     cloud_free(&s);
 }
 
-/* Enough splats that several chunks are joined. */
+/* Enough splats that several pools are joined. */
 static void threads_make_no_difference(void **state)
 {
-    struct splats s = cloud_random(CLOUD_RADII, 30000, 5);
+    struct splats s = cloud_random(CLOUD_RADII, 2 * OVERLAP_POOL + 500, 5);
     struct overlap_params p = { 0.7, STP_RELAX_OPPOSED, NULL, 0 };
     struct overlap_graph one = { 0 }, many = { 0 };
     assert_int_equal(overlap_graph_build(&(struct stp_env){ .threads = 1 }, &s, &p, &one, NULL), 0);
@@ -295,7 +295,7 @@ static void search_is_bounded(void **state)
 
 static void every_allocation_may_fail(void **state)
 {
-    struct splats s = cloud_random(CLOUD_UNIFORM, 9000, 8);
+    struct splats s = cloud_random(CLOUD_UNIFORM, OVERLAP_POOL + 500, 8);
     struct overlap_params p = { 1, STP_RELAX_OPPOSED, NULL, 0 };
     unsigned lines = 0;
     struct stp_env env = { .threads = 2, .log = silent, .user = &lines };

@@ -103,7 +103,7 @@ static void lowers_overlap_for_few_groups(void **state)
 /* Radii of a hundred spacings: the graph is dropped unbuilt, and a lower c found. */
 static void lowers_overlap_for_huge_radii(void **state)
 {
-    struct stp_scene scene = sphere(60000);
+    struct stp_scene scene = sphere(20000);
     struct heard heard = { 0 };
     struct stp_env env = { .log = hear, .user = &heard };
     for (size_t i = 0; i < scene.splats.count; i++)
@@ -157,7 +157,7 @@ static void duplicates_share_a_group(void **state)
 /* All in one place, no two alike: ends, and uses every group evenly. */
 static void coincident_but_different(void **state)
 {
-    enum { COUNT = 100000 };
+    enum { COUNT = 40000 };
     for (int kind = 0; kind < 3; kind++) {
         struct stp_scene scene = { .prepared = true };
         struct heard heard = { 0 };

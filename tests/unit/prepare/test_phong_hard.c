@@ -327,7 +327,7 @@ static void colors_do_not_mix(void **state)
 static void edges_survive_every_failure(void **state)
 {
     const struct stp_fit_params params[] = { { .tolerance = 0.05 }, { .count = 100 } };
-    struct samples s = cube(8);
+    struct samples s = cube(6);
     struct stp_points points = { .count = s.count,
                                  .position = (const double(*)[3])s.position,
                                  .normal = (const float(*)[3])s.normal };
