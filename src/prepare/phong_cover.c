@@ -97,6 +97,13 @@ static size_t count_holders(struct cover *c, size_t from)
     return fresh;
 }
 
+/* Of the cover: one of several, perhaps. */
+static void report(const struct cover *c, double fraction)
+{
+    const struct fit_limits *l = c->limits;
+    log_progress(c->env, "fit", l->begun + (l->ended - l->begun) * fraction);
+}
+
 /* Until every site is held by some candidate. */
 static enum stp_result find_candidates(struct cover *c)
 {
@@ -114,7 +121,7 @@ static enum stp_result find_candidates(struct cover *c)
         left -= fresh;
         for (size_t i = from; i < c->pool.count; i++)
             members += c->pool.patch[i].count;
-        log_progress(c->env, "fit", 0.7 * (1 - (double)left / (double)c->cloud->count));
+        report(c, 0.8 * (1 - (double)left / (double)c->cloud->count));
         double mean = from == 0 ? (double)members : REDUNDANCY * (double)fresh;
         wanted = (size_t)ceil(REDUNDANCY * (double)left * (double)count / mean);
     }
@@ -307,7 +314,7 @@ enum stp_result patches_cover(const struct stp_env *env, const struct fit_cloud 
         drop_redundant(&c);
     for (int i = 0; i < RELAXATIONS && result == STP_OK; i++) {
         result = relax(&c);
-        log_progress(env, "fit", 0.7 + 0.2 * (i + 1) / RELAXATIONS);
+        report(&c, 0.8 + 0.2 * (i + 1) / RELAXATIONS);
     }
     if (result == STP_OK)
         forget_others(&c);

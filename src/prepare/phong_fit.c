@@ -18,6 +18,8 @@
 #define SEARCH 24   /* fits that a count may take */
 #define STALLS 3    /* of them, larger tolerances in turn that leave no fewer splats */
 #define NEAR   0.98 /* of the count asked: near enough */
+#define COVERS 0.9  /* of the whole fit, for its progress */
+#define STEP   0.7  /* of the progress that is left, after each of the fits of a count */
 
 struct fitting {
     const struct stp_env *env;
@@ -92,8 +94,11 @@ static enum stp_result search_count(struct fitting *f, double count)
     struct bracket b = { 0 };
     double tolerance = first_tolerance(&f->cloud, count);
     int stalls = 0;
+    f->limits.ended = 0;
     for (int i = 0; i < SEARCH && b.high_count < NEAR * count && stalls < STALLS; i++) {
         struct patch_set set = { 0 };
+        f->limits.begun = f->limits.ended;
+        f->limits.ended = COVERS * (1 - pow(STEP, i + 1));
         double before = b.low_count;
         enum stp_result result = cover_at(f, tolerance, &set);
         if (result != STP_OK)
@@ -206,7 +211,9 @@ enum stp_result stp_scene_fit(const struct stp_env *env, struct stp_scene *scene
     enum stp_result result = check(env, scene, params);
     if (result != STP_OK)
         return result;
-    struct fitting f = { .env = env, .scene = scene, .params = params };
+    struct fitting f = {
+        .env = env, .scene = scene, .params = params, .limits = { .ended = COVERS }
+    };
     log_progress(env, "fit", 0);
     f.limits.color = params->color > 0 ? params->color : STP_DEFAULT_FIT_COLOR;
     result = fit(&f);

@@ -83,8 +83,9 @@ struct vec3 site_normal(const struct fit_cloud *cloud, uint32_t i, struct vec3 n
 
 /* What may not be exceeded within a patch. */
 struct fit_limits {
-    double tolerance; /* of a sample from the plane */
-    double color;     /* of a component from the seed's; INFINITY: any */
+    double tolerance;    /* of a sample from the plane */
+    double color;        /* of a component from the seed's; INFINITY: any */
+    double begun, ended; /* shares of the whole fit, for its progress: before a cover, and after */
 };
 
 /* Grows a patch around each seed: made[i] of seed[i]. On failure nothing is made. */

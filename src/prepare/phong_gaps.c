@@ -131,8 +131,10 @@ static void look_around(const struct gaps *g, uint32_t i, struct around *all)
 }
 
 /* What splat k must grow to, of its size, to hold p with the margin; 0: it reaches as far (p
- * itself may lie `away` farther off its plane than it shows); INFINITY: it cannot. away: of p from
- * its samples. *more: by what length. */
+ * itself may lie `away` farther off its plane than it shows: a splat that holds one of p's samples,
+ * within `depth` of its plane, tilts no farther off over that way, which is less than the sample's
+ * own radius; one that lies deeper shows another part of the surface); INFINITY: it cannot. away:
+ * of p from its samples. *more: by what length. */
 static double growth_for(const struct gaps *g, const struct around *all, unsigned k, struct vec3 p,
                          double away, double *more)
 {

@@ -102,14 +102,26 @@ static void leaves_no_gaps(void **state)
 /* --- normals
  * -------------------------------------------------------------------------------------- */
 
-/* Mean angle, in degrees, between the samples' normals and the fields' mean. */
+/* Mean angle, in degrees, between the samples' normals and the mean of the fields of the splats
+ * that cover them. */
 static double normal_error(const struct splats *splats, const struct samples *s)
 {
     double sum = 0, count = 0;
     for (size_t i = 0; i < s->count; i++) {
-        double angle = angle_of_mean(splats, s, i, 0.05);
-        sum += isnan(angle) ? 0 : angle;
-        count += !isnan(angle);
+        double mean[3] = { 0 },
+               n[3] = { (double)s->normal[i][0], (double)s->normal[i][1], (double)s->normal[i][2] };
+        for (size_t j = 0; j < splats->count; j++) {
+            struct at_splat at = locate(splats, j, s->position[i]);
+            double weight = 1 - at.s * at.s - at.t * at.t;
+            bool shown = at.covered && fabs(at.height) <= 0.05 && dot3(at.normal, n) > 0;
+            for (int k = 0; shown && k < 3; k++)
+                mean[k] += weight * at.normal[k];
+        }
+        double length = sqrt(dot3(mean, mean));
+        if (!(length > 0))
+            continue;
+        sum += acos(fmin(dot3(mean, n) / length, 1)) * 180 / PI;
+        count += 1;
     }
     return sum / count;
 }
@@ -121,10 +133,14 @@ static void fields_follow_the_surface(void **state)
     const double most[] = { 0.02, 0.4, 0.3 }; /* degrees */
     for (int i = 0; i < 3; i++) {
         struct samples s = sample_surface(surface[i], 4000, 31);
+        struct stp_points points = { .count = s.count,
+                                     .position = (const double(*)[3])s.position,
+                                     .normal = (const float(*)[3])s.normal };
         double error[2];
         for (int flat = 0; flat < 2; flat++) {
             struct stp_fit_params params = { .tolerance = 0.004, .flat = flat == 1 };
-            struct stp_scene *scene = fitted_by(NULL, &s, &params, NULL);
+            struct stp_scene *scene = scene_of(NULL, &points);
+            assert_int_equal(stp_scene_fit(NULL, scene, &params, NULL), STP_OK);
             error[flat] = normal_error(&scene->splats, &s);
             stp_scene_destroy(&scene);
         }
@@ -194,8 +210,12 @@ static void order_and_threads_do_not_show(void **state)
     struct stp_scene *scene[3];
     for (int i = 0; i < 3; i++) {
         struct stp_env env = { .threads = threads[i] };
+        struct stp_points points = { .count = s.count,
+                                     .position = (const double(*)[3])from[i]->position,
+                                     .normal = (const float(*)[3])from[i]->normal };
         struct stp_fit_params params = { .tolerance = 2e-3 };
-        scene[i] = fitted_by(&env, from[i], &params, NULL);
+        scene[i] = scene_of(&env, &points);
+        assert_int_equal(stp_scene_fit(&env, scene[i], &params, NULL), STP_OK);
         same_splats(&scene[0]->splats, &scene[i]->splats);
     }
     for (int i = 0; i < 3; i++)
@@ -210,14 +230,54 @@ static void order_and_threads_do_not_show(void **state)
 static void count_is_not_exceeded(void **state)
 {
     struct samples s = sample_surface(on_torus, 5000, 61);
+    struct stp_points points = { .count = s.count,
+                                 .position = (const double(*)[3])s.position,
+                                 .normal = (const float(*)[3])s.normal };
     const size_t count[] = { 40, 200, 1000, 4000, 5000, 9000 };
     for (int i = 0; i < 6; i++) {
         struct stp_fit_params params = { .count = count[i] };
         struct stp_fit fit;
-        struct stp_scene *scene = fitted_by(NULL, &s, &params, &fit);
+        struct stp_scene *scene = scene_of(NULL, &points);
+        assert_int_equal(stp_scene_fit(NULL, scene, &params, &fit), STP_OK);
         assert_true(fit.splats <= count[i]);
         assert_true((double)fit.splats >= 0.9 * fmin((double)count[i], 5000));
         covers_all(&scene->splats, &s, fit.tolerance, false);
+        stp_scene_destroy(&scene);
+    }
+    samples_release(&s);
+}
+
+struct bar {
+    unsigned calls;
+    double last;
+};
+
+static void on_progress(void *user, const char *stage, double fraction)
+{
+    struct bar *bar = user;
+    if (strcmp(stage, "fit") != 0)
+        return;
+    assert_true(fraction >= bar->last && fraction <= 1);
+    bar->last = fraction;
+    bar->calls++;
+}
+
+/* However many tolerances a count takes, its progress never falls back, and ends at 1. */
+static void progress_only_grows(void **state)
+{
+    struct samples s = sample_surface(on_torus, 5000, 67);
+    struct stp_points points = { .count = s.count,
+                                 .position = (const double(*)[3])s.position,
+                                 .normal = (const float(*)[3])s.normal };
+    const struct stp_fit_params params[] = { { .count = 100 },
+                                             { .count = 999 },
+                                             { .tolerance = 0.01 } };
+    for (int i = 0; i < 3; i++) {
+        struct bar bar = { 0 };
+        struct stp_env env = { .progress = on_progress, .user = &bar };
+        struct stp_scene *scene = scene_of(NULL, &points);
+        assert_int_equal(stp_scene_fit(&env, scene, &params[i], NULL), STP_OK);
+        assert_true(bar.calls > 5 && bar.last == 1);
         stp_scene_destroy(&scene);
     }
     samples_release(&s);
@@ -264,7 +324,9 @@ static void survives_every_failure(void **state)
             s.normal[i][axis] = -s.normal[i][axis];
     char line[256];
     struct stp_env env = { .threads = 1, .log = silent, .user = line };
-    struct stp_points points = points_of(&s);
+    struct stp_points points = { .count = s.count,
+                                 .position = (const double(*)[3])s.position,
+                                 .normal = (const float(*)[3])s.normal };
     struct stp_fit_params params = { .tolerance = 0.1 };
     struct stp_scene *scene = scene_of(NULL, &points);
     enum stp_result result = STP_ERROR_MEMORY;
@@ -290,15 +352,11 @@ static void survives_every_failure(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(covers_every_sample),
-        cmocka_unit_test(covers_noise),
-        cmocka_unit_test(tolerance_of_nothing_and_all),
-        cmocka_unit_test(leaves_no_gaps),
-        cmocka_unit_test(fields_follow_the_surface),
-        cmocka_unit_test(signs_do_not_matter),
-        cmocka_unit_test(order_and_threads_do_not_show),
-        cmocka_unit_test(count_is_not_exceeded),
-        cmocka_unit_test(refuses),
+        cmocka_unit_test(covers_every_sample),           cmocka_unit_test(covers_noise),
+        cmocka_unit_test(tolerance_of_nothing_and_all),  cmocka_unit_test(leaves_no_gaps),
+        cmocka_unit_test(fields_follow_the_surface),     cmocka_unit_test(signs_do_not_matter),
+        cmocka_unit_test(order_and_threads_do_not_show), cmocka_unit_test(count_is_not_exceeded),
+        cmocka_unit_test(progress_only_grows),           cmocka_unit_test(refuses),
         cmocka_unit_test(survives_every_failure),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
