@@ -251,6 +251,8 @@ def main():
     parser.add_argument("--pictures", metavar="OUT", help="a folder for pictures of the room")
     parser.add_argument("--merge", default="blend", choices=["blend", "clip", "single", "sort"])
     arguments = parser.parse_args()
+    if arguments.pictures and not arguments.kinect:
+        parser.error("--pictures: of the frames that --kinect names")
     with tempfile.TemporaryDirectory() as folder:
         if arguments.kinect and arguments.pictures:
             pictures(os.path.abspath(arguments.kinect), arguments.merge, folder, arguments.pictures)

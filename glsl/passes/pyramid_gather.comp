@@ -45,8 +45,11 @@ void gather(uvec2 p, uint index, bool found)
     t.full = true;
     if (!found)
         return;
-    some_far = some_far || (RIM_FAR && disc_far(t));
     texel_store(0, ivec2(p), t);
+    if (RIM_FAR) { // as those that look for discs decode it
+        t.normal = normalize(t.normal);
+        some_far = some_far || disc_far(t);
+    }
 #if ATTRIBUTES > 0
     Attributes a = Attributes(vec3(0), push_first + index, 0);
     if (HAS_COLOR)

@@ -44,7 +44,7 @@ void project(uint index, inout Held held)
     Place place;
     uvec2 pixel;
     vec2 offset;
-    uvec4 t = texelFetch(point_texels, int(index));
+    uvec4 t = texelFetch(point_texels, int(min(index, push_count - 1)));
     float z = point_place(uintBitsToFloat(t.xyz), place);
     bool seen = point_pixel(place, pixel, offset) && point_seen(t, z) && index < push_count;
     Held h = Held(grid_index(pixel), depth_order(z), push_first + index);

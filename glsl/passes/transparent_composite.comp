@@ -18,7 +18,8 @@ struct Winner {
     float depth;
 };
 
-// A splat that won in several groups counts once; where PACKED, what cannot be told apart.
+// A splat that won in several groups counts once; where PACKED, what has one normal and one depth: rho^2
+// is of each group's own radius.
 void read_winners(uvec2 p, out Winner w[K], out Winner nearest)
 {
     nearest = Winner(STP_NO_ID, 1.0 / 0.0);
@@ -26,7 +27,8 @@ void read_winners(uvec2 p, out Winner w[K], out Winner nearest)
         uvec2 v = imageLoad(winners, ivec3(p, k)).xy;
         bool again = v.x == STP_NO_ID;
         [[unroll]] for (uint j = 0; j < k; j++)
-            again = again || (w[j].id == v.x && (!PACKED || w[j].depth == uintBitsToFloat(v.y)));
+            again = again || (PACKED ? w[j].id >> 8 == v.x >> 8 && w[j].depth == uintBitsToFloat(v.y)
+                                     : w[j].id == v.x);
         w[k] = again ? Winner(STP_NO_ID, 1.0 / 0.0) : Winner(v.x, uintBitsToFloat(v.y));
         bool nearer = w[k].depth < nearest.depth ||
                       (w[k].depth == nearest.depth && w[k].id < nearest.id);

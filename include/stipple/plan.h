@@ -105,7 +105,7 @@ struct stp_render_params {
     unsigned peel_layers; /* peel: the most layers; 0: STP_DEFAULT_PEEL_LAYERS */
     enum stp_layers layers;
     enum stp_path path;
-    enum stp_payload payload; /* deferred, compute: what a key carries */
+    enum stp_payload payload; /* deferred, exact, fast: what a key, slot or winner carries */
     enum stp_voronoi voronoi;
     enum stp_kernel kernel;
     enum stp_shade shade;

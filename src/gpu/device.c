@@ -69,12 +69,14 @@ static void survey_memory(const struct gpu_instance *instance, VkPhysicalDevice 
         limits->features |= STP_FEATURE_SHARED_MEMORY;
 }
 
-/* Of the size that compute shaders get unless they ask for another. */
-static bool shuffles_by_eight(const VkPhysicalDeviceVulkan11Properties *p)
+/* Where subgroups have one size, a shader has no other. */
+static bool shuffles_by_eight(const VkPhysicalDeviceVulkan11Properties *p,
+                              const VkPhysicalDeviceVulkan13Properties *sizes)
 {
     const VkSubgroupFeatureFlags needed =
         VK_SUBGROUP_FEATURE_BASIC_BIT | VK_SUBGROUP_FEATURE_SHUFFLE_BIT;
-    return p->subgroupSize == 8 && (p->subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
+    return sizes->minSubgroupSize == 8 && sizes->maxSubgroupSize == 8 &&
+           (p->subgroupSupportedStages & VK_SHADER_STAGE_COMPUTE_BIT) &&
            (p->subgroupSupportedOperations & needed) == needed;
 }
 
@@ -84,8 +86,11 @@ bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice dev
     VkPhysicalDeviceVulkan11Properties v11 = {
         .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES
     };
+    VkPhysicalDeviceVulkan13Properties v13 = {
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_3_PROPERTIES, .pNext = &v11
+    };
     VkPhysicalDeviceVulkan12Properties v12 = {
-        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES, .pNext = &v11
+        .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_2_PROPERTIES, .pNext = &v13
     };
     VkPhysicalDeviceProperties2 p = { .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2,
                                       .pNext = &v12 };
@@ -110,7 +115,7 @@ bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice dev
     survey_memory(instance, device, l);
     if (p.properties.limits.maxTexelBufferElements >= PLAN_MOST_TEXELS)
         l->features |= STP_FEATURE_TEXEL_BUFFERS;
-    if (shuffles_by_eight(&v11))
+    if (shuffles_by_eight(&v11, &v13))
         l->features |= STP_FEATURE_SUBGROUP_SHUFFLE;
     return info->usable;
 }

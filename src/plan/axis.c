@@ -7,6 +7,7 @@
 #include <stdio.h>
 
 #include "base/log.h"
+#include "base/memory.h"
 #include "base/vec.h"
 #include "prepare/axis_region.h"
 #include "scene/scene.h"
@@ -90,6 +91,9 @@ static enum stp_result prepare_blocks(const struct stp_env *env, struct stp_plan
     enum stp_result result = axis_blocks_update(env, &plan->axis, &plan->axis_blocks);
     if (result != STP_OK)
         return result;
+    mem_free(plan->axis_blocks.cursor); /* the lists are made */
+    plan->axis_blocks.cursor = NULL;
+    plan->axis_blocks.cursors = 0;
     plan->frame.axis.blocks_x = plan->axis_blocks.across;
     plan->frame.axis.blocks_y = plan->axis_blocks.down;
     if (parts_of(plan) * plan->axis.walk_count <= MOST_PASSES)

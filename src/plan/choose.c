@@ -137,7 +137,8 @@ static enum stp_result choose_voronoi(const struct stp_env *env, struct stp_plan
     return STP_OK;
 }
 
-/* Packed keys need a depth range that 24 bits hold, and, deferred, nothing that asks for ids. */
+/* Packed keys need a depth range that 24 bits hold, and, deferred, nothing that asks for ids. What
+ * `fast` packs has its depth as a float beside it. */
 static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
 {
     bool wants_ids = plan->facts.has_color || plan->constant[PLAN_OPACITY] == 2 ||

@@ -88,11 +88,23 @@ static void resources(struct stp_plan *plan, bool nearest)
                       (uint64_t)plan->tile_width * plan->tile_height * 4);
 }
 
+static bool is_enlarged(const struct stp_facts *facts)
+{
+    for (unsigned k = 0; k < facts->cover.groups; k++)
+        if (facts->cover.factor[k] > 1)
+            return true;
+    return false;
+}
+
 /* Only fast: the first layer of nearest is interpolated as well as can be. Glass asks for
- * materials, weights are wanted as they are. */
+ * materials, weights are wanted as they are. What is packed is rho^2 on the enlarged disc, which
+ * gives that of the disc itself unless a floor holds one of the two, and up to 1, where a Gauss
+ * kernel has not ended. */
 bool plan_packs_winners(const struct stp_plan *plan)
 {
-    return plan->transparency == STP_TRANSPARENCY_FAST &&
+    bool exact = !is_enlarged(&plan->facts) ||
+                 (!(plan->frame.floor_size > 0) && plan->params.kernel != STP_KERNEL_GAUSS);
+    return exact && plan->transparency == STP_TRANSPARENCY_FAST &&
            !(plan->constant[PLAN_OPTICS] & STP_OPTICS_GLASS) &&
            !(plan->params.aovs & STP_AOV_WEIGHT);
 }

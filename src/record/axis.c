@@ -33,6 +33,8 @@ static enum stp_result record_blocks(const struct stp_env *env, struct record_fr
     enum stp_result result = axis_blocks_count(env, &frame->axis, blocks);
     if (result != STP_OK)
         return result;
+    if (blocks->count * sizeof *view > plan->resource[plan_find(plan, PLAN_ORDER)].bytes)
+        return log_error(env, STP_ERROR_ARGUMENT, "the scene is not the one that was planned");
     uint8_t starts = plan_find(plan, PLAN_COUNTS);
     axis_blocks_fill(env, &frame->axis, blocks, view);
     return gpu_upload(env, frame->context, &frame->resources.buffer[starts], blocks->first,

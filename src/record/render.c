@@ -40,6 +40,14 @@ static enum stp_result run(const struct stp_env *env, struct record_frame *frame
     return result;
 }
 
+static bool uses_shader(const struct stp_plan *plan, enum plan_shader shader)
+{
+    for (uint32_t i = 0; i < plan->pass_count; i++)
+        if (plan->pass[i].shader == shader)
+            return true;
+    return false;
+}
+
 enum stp_result record_check_features(const struct stp_env *env, const struct stp_context *context,
                                       const struct stp_plan *plan)
 {
@@ -51,7 +59,9 @@ enum stp_result record_check_features(const struct stp_env *env, const struct st
                   { plan->path == STP_PATH_RASTER, STP_FEATURE_STORAGE_FORMATS },
                   { plan_covers(plan), STP_FEATURE_INDEPENDENT_BLEND },
                   { plan->path == STP_PATH_COMPUTE && plan->constant[PLAN_ATOMIC64],
-                    STP_FEATURE_INT64_ATOMICS } };
+                    STP_FEATURE_INT64_ATOMICS },
+                  { uses_shader(plan, PLAN_SHADER_AXIS_BLOCK_SHUFFLED),
+                    STP_FEATURE_SUBGROUP_SHUFFLE } };
     for (unsigned i = 0; i < sizeof needs / sizeof *needs; i++)
         if (needs[i].used && !(context->limits.features & needs[i].feature))
             return log_error(env, STP_ERROR_FEATURE, "the plan uses %s, which %s lacks",

@@ -103,7 +103,7 @@ const struct report_row *report_fastest(const struct report *report, const char 
 const struct report_row *report_most_exact(const struct report *report, const char *kind,
                                            double most_ms);
 /* Something at least as exact takes less than a REPORT_OUTCLASSED-th of its median: more frames of
- * it would change no conclusion. Never true of baselines. */
+ * it would not bring it to the front. Never true of baselines. */
 #define REPORT_OUTCLASSED 3
 bool report_outclassed(const struct report *report, const struct report_row *row);
 /* NULL: the sweep has no baseline. */

@@ -213,6 +213,28 @@ static void without_shuffles_or_texels(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* A plan made for a device with shuffles is refused by one without. */
+static void plan_of_another_device(void **state)
+{
+    struct device device, lacking;
+    struct stp_scene *scene = random_volume(17, (double[]){ 0.2, 0.2, 0.2 }, false);
+    struct stp_camera camera = view_of_index(0);
+    struct stp_render_params params = { .method = STP_METHOD_AXIS };
+    struct stp_plan *plan = NULL;
+    struct stp_image *image = NULL;
+    device_open(&device, 0);
+    assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+    device_open(&lacking, STP_FEATURE_SUBGROUP_SHUFFLE);
+    assert_int_equal(stp_render(&lacking.env, lacking.context, scene, plan, 0, &image, NULL),
+                     STP_ERROR_FEATURE);
+    assert_null(image);
+    assert_non_null(strstr(lacking.last, "the plan uses subgroup-shuffle"));
+    device_close(&lacking);
+    stp_plan_destroy(&plan);
+    device_close(&device);
+    stp_scene_destroy(&scene);
+}
+
 /* Alpha is the same in every order: against the reference, by two of the eight merges and paths. */
 static void expect_alpha(struct device *device, const struct stp_scene *scene,
                          const struct stp_camera *camera, int which, const char *what)
@@ -318,8 +340,8 @@ int main(void)
         cmocka_unit_test(every_merge_in_every_view), cmocka_unit_test(near_the_exact_order),
         cmocka_unit_test(by_the_rasteriser),         cmocka_unit_test(by_compute),
         cmocka_unit_test(long_lists_go_on),          cmocka_unit_test(without_shuffles_or_texels),
-        cmocka_unit_test(slabs_at_angles),           cmocka_unit_test(a_marched_volume),
-        cmocka_unit_test(lists_are_timed),
+        cmocka_unit_test(plan_of_another_device),    cmocka_unit_test(slabs_at_angles),
+        cmocka_unit_test(a_marched_volume),          cmocka_unit_test(lists_are_timed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

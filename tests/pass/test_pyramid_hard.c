@@ -244,12 +244,43 @@ static void none_far(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* Discs without normals, little wider than a pixel, of which some reach far: what is covered does
+ * not hang on the unit of length. */
+static struct stp_image *without_normals(double unit)
+{
+    struct stp_camera camera = plain_camera(160, 120, 100);
+    struct stp_scene *scene = scene_make(4000, 1, 0.01 * unit);
+    uint32_t seed = 12;
+    for (int i = 0; i < 4000; i++) {
+        double x = 1.2 * uniform(&seed) - 0.6, y = 0.9 * uniform(&seed) - 0.45, z = 1 + 0.3 * x;
+        scene_add(scene, v3(x * z * unit, y * z * unit, -z * unit), v3(0, 0, 0), 0.013 * z * unit);
+    }
+    scene_finish(scene);
+    struct stp_render_params p = pyramid_params();
+    struct stp_image *image = device_render(&device, scene, &camera, &p);
+    stp_scene_destroy(&scene);
+    return image;
+}
+
+static void unit_of_length(void **state)
+{
+    struct stp_image *near_by = without_normals(0.25), *far_off = without_normals(32);
+    size_t covered = expect_sound(near_by), differs = 0;
+    for (uint32_t y = 0; y < 120; y++)
+        for (uint32_t x = 0; x < 160; x++)
+            differs += value(near_by, "A", x, y) != value(far_off, "A", x, y);
+    assert_true(covered > 5000);
+    assert_int_equal(differs, 0);
+    stp_image_destroy(&near_by);
+    stp_image_destroy(&far_off);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(leaking),   cmocka_unit_test(odd_sizes),  cmocka_unit_test(one_point),
-        cmocka_unit_test(one_pixel), cmocka_unit_test(eye_inside), cmocka_unit_test(outlier),
-        cmocka_unit_test(none_far),
+        cmocka_unit_test(leaking),   cmocka_unit_test(odd_sizes),      cmocka_unit_test(one_point),
+        cmocka_unit_test(one_pixel), cmocka_unit_test(eye_inside),     cmocka_unit_test(outlier),
+        cmocka_unit_test(none_far),  cmocka_unit_test(unit_of_length),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

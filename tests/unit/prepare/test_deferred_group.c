@@ -100,7 +100,8 @@ static void lowers_overlap_for_few_groups(void **state)
     }
 }
 
-/* Radii of a hundred spacings: the graph is dropped unbuilt, and a lower c found. */
+/* Radii of seven spacings, some 290 neighbours each: the graph is dropped unbuilt, and a lower c
+ * found. */
 static void lowers_overlap_for_huge_radii(void **state)
 {
     struct stp_scene scene = sphere(20000);

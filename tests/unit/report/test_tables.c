@@ -89,12 +89,15 @@ static void markdown(void **state)
     strcpy(rows[3].pass[0].name, "visibility");
     rows[3].pass[0].milliseconds = 31;
     rows[3].pass_count = 1;
+    rows[2].ms.frames = 3;
     report_find_front(&report);
     char *text = written(report_markdown, &report);
     check_tables(text);
     static const char *const expected[] = {
         "    stipple report scan.ply\n",
         "![milliseconds against error](report.svg)",
+        "medians of 15 frames in 5 rounds",
+        "by more than 3 times in the first round has the 3 frames of that one",
         "| deferred raster, c 0.4, Voronoi slab **front** | 20.00 (19.00 to 21.00) | 0.0070 | inf "
         "|",
         /* equal error 1e-3: exact wins over deferred at c = 1 and two-pass */
