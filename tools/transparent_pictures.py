@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The picture of docs/transparency.md beside Fig. 12 of Zhang and Pajarola 2006; it wants oiiotool.
 
-  tools/transparent_pictures.py OUT.png [--size PIXELS]
+  tools/transparent_pictures.py OUT [--size PIXELS]
 
 A transparent knot by depth peeling, by Algorithm 3 (nearest) and by Algorithm 2 (fast); below, what
 each differs from the reference, four times as strong.
@@ -34,7 +34,8 @@ def ways(folder, size, out):
                         "--absdiff", "--mulc", "4", "-d", "uint8", "-o", name + "-off.png"],
                        check=True)
     pictures = [n + ".png" for n in names] + [n + "-off.png" for n in names]
-    subprocess.run(["oiiotool", *pictures, "--mosaic:pad=4", f"{len(WAYS)}x2", "-o", out], check=True)
+    mosaic = ["--mosaic:pad=4", f"{len(WAYS)}x2", "--ch", "R,G,B"]
+    subprocess.run(["oiiotool", *pictures, *mosaic, "-o", out], check=True)
 
 
 def main():
