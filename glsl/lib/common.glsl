@@ -103,6 +103,11 @@ uint splat_known(uint id)
     return min(id, frame.known_count - 1);
 }
 
+// A vertex of a lane that has none. A software device fills up its vectors of vertices with lanes that
+// load zeros; one of them off the screen, or a NaN, would send the whole batch through the clipper. Three
+// of these have no area.
+const vec4 NO_VERTEX = vec4(0, 0, 0.5, 1);
+
 // Of an object. Where there is only one its material stands in the frame block: a software device loads
 // a constant once, and what has an address once a lane.
 MaterialData material_at(uint object)

@@ -62,10 +62,6 @@ vec2 around_box(vec3 c, vec3 h, uint corner)
     return low + vec2(corner == 1 ? 2 : 0, corner == 2 ? 2 : 0) * (high - low);
 }
 
-// A software device fills up its vectors of vertices with lanes that load zeros. Off the screen, or a
-// NaN, one of them would send the whole batch through the clipper: they stay in its middle.
-const vec4 NOWHERE = vec4(0, 0, 0.5, 1);
-
 void main()
 {
     uint id = frame.order.v[push_first + gl_VertexIndex / 3], corner = gl_VertexIndex % 3;
@@ -89,7 +85,7 @@ void main()
     bool simple = ORTHOGRAPHIC || (least > frame.near_depth && bend < NEAR);
     vec4 place = to_clip(simple ? around_ellipse(e.centre, form_at(e), corner, ORTHOGRAPHIC ? 0 : bend)
                                 : around_box(e.centre, h, corner));
-    gl_Position = known ? place : NOWHERE;
+    gl_Position = known ? place : NO_VERTEX;
     vary_place = vec4(e.centre, e.tau);
     vary_r = e.r;
     vary_s = e.s;

@@ -69,9 +69,7 @@ void main()
 {
     uint id = frame.order.v[push_first + gl_VertexIndex / 3], corner = gl_VertexIndex % 3;
     GaussianWords w = gaussian_words(id);
-    // A software device fills up its vectors of vertices with lanes that load zeros. Off the screen, or a
-    // NaN, one of them would send the whole batch through the clipper: they stay in its middle.
-    gl_Position = w.head.y > 0 ? to_clip(corner_of(w, corner)) : vec4(0, 0, 0.5, 1);
+    gl_Position = w.head.y > 0 ? to_clip(corner_of(w, corner)) : NO_VERTEX;
     vary_head = w.head;
     vary_s = w.s;
     vary_t = w.t;

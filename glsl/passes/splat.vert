@@ -78,8 +78,7 @@ void main()
     uint id = index;
 #endif
     Splat s;
-    // Radius 0: a lane that has no vertex. A software device fills up its vectors with lanes that load
-    // zeros; one of them off the screen, or a NaN, sends the whole batch through the clipper.
+    // Radius 0: a lane that has no vertex.
     bool floored, seen = splat_load(id, s) && s.radius > 0;
 #ifdef BLENDED
     s.radius *= push_factor;
@@ -93,9 +92,8 @@ void main()
     Footprint f = footprint_make(s, floored);
     vec2 turn = vec2(corner == 0 ? 1.0 : -0.5, corner == 0 ? 0 : corner == 1 ? 0.8660254 : -0.8660254);
     gl_Position = floored ? ellipse_vertex(f, turn) : disc_vertex(s, turn);
-    // No area, and inside: a vertex outside would send its whole batch through the clipper.
     if (!seen)
-        gl_Position = vec4(0, 0, 0.5, 1);
+        gl_Position = NO_VERTEX;
 #ifdef LAYERS
     gl_Layer = int(splat_group(s));
 #endif
