@@ -9,8 +9,20 @@ struct scope {
 /* What has touched each resource since it was last waited for. */
 struct hazards {
     struct scope written[PLAN_MAX_RESOURCES];
+    uint64_t layers[PLAN_MAX_RESOURCES];   /* of those, what was written; all of what has none */
+    struct scope seen[PLAN_MAX_RESOURCES]; /* who has waited for what is written */
     VkPipelineStageFlags2 read[PLAN_MAX_RESOURCES];
 };
+
+/* A draw into one layer of an image touches no other. */
+static uint64_t layers_of(const struct stp_plan *plan, const struct plan_pass *pass,
+                          const struct plan_access *access)
+{
+    _Static_assert(STP_MAX_GROUPS <= 64, "a bit a layer");
+    bool one = (access->kind & PLAN_ATTACHMENT) && pass->layer_count == 1 &&
+               plan->resource[access->resource].layers > 1;
+    return one ? 1ull << pass->layer : ~0ull;
+}
 
 static struct scope attachment_scope(const struct plan_resource *resource)
 {
@@ -57,6 +69,33 @@ static void barrier(struct record_frame *frame, VkCommandBuffer commands,
     frame->context->vk.vkCmdPipelineBarrier2(commands, &info);
 }
 
+/* Must this access wait for an earlier one? Not for what was drawn into other layers, which nobody
+ * has read yet: such draws may overlap. Nor for what the same stages have waited for. */
+static bool must_wait(const struct hazards *hazards, uint8_t r, const struct scope *scope,
+                      uint64_t layers, bool writes)
+{
+    const struct scope *seen = &hazards->seen[r];
+    if (writes)
+        return hazards->read[r] || (hazards->written[r].stages && hazards->layers[r] & layers);
+    return hazards->written[r].stages &&
+           ((scope->stages & ~seen->stages) || (scope->access & ~seen->access));
+}
+
+static void note(struct hazards *hazards, uint8_t r, const struct scope *scope, uint64_t layers,
+                 bool writes, bool waits)
+{
+    if (writes) {
+        hazards->written[r] = *scope;
+        hazards->layers[r] = waits ? layers : hazards->layers[r] | layers;
+        hazards->seen[r] = (struct scope){ 0 };
+        hazards->read[r] = 0;
+        return;
+    }
+    hazards->read[r] |= scope->stages;
+    if (waits)
+        hazards->seen[r] = *scope;
+}
+
 /* Adds what this access must wait for, and notes it for those that follow. */
 static void collect(const struct stp_plan *plan, const struct plan_pass *pass,
                     const struct plan_access *access, struct hazards *hazards,
@@ -64,19 +103,16 @@ static void collect(const struct stp_plan *plan, const struct plan_pass *pass,
 {
     uint8_t r = access->resource;
     struct scope scope = scope_of(plan, pass, access);
+    uint64_t layers = layers_of(plan, pass, access);
     bool writes = (access->kind & PLAN_WRITE) != 0;
-    if (hazards->written[r].stages || (writes && hazards->read[r])) {
+    bool waits = must_wait(hazards, r, &scope, layers, writes);
+    if (waits) {
         memory->srcStageMask |= hazards->written[r].stages | (writes ? hazards->read[r] : 0);
         memory->srcAccessMask |= hazards->written[r].access;
         memory->dstStageMask |= scope.stages;
         memory->dstAccessMask |= scope.access;
     }
-    if (writes) {
-        hazards->written[r] = scope;
-        hazards->read[r] = 0;
-    } else {
-        hazards->read[r] |= scope.stages;
-    }
+    note(hazards, r, &scope, layers, writes, waits);
 }
 
 static void synchronise(struct record_frame *frame, VkCommandBuffer commands,
