@@ -96,7 +96,8 @@ struct stp_resident_params {
     VkDeviceSize splats_offset; /* a multiple of 16 */
 };
 /* plan: any plan of this scene, with the same epsilon, for every frame that will draw the resident.
- * The scene is not needed afterwards. */
+ * The scene is not needed afterwards. Its materials come with the resident and with every plan: a
+ * frame whose plan has another one is refused when it is recorded. */
 STP_API enum stp_result stp_resident_create(const struct stp_env *env, struct stp_context *context,
                                             const struct stp_scene *scene,
                                             const struct stp_plan *plan,

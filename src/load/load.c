@@ -34,6 +34,17 @@ static enum stp_result refuse(const struct stp_env *env, const char *path,
         path);
 }
 
+/* Editors and spreadsheets begin texts with the mark of UTF-8, which is no part of them. */
+static struct file_bytes past_mark(const struct file_bytes *bytes)
+{
+    struct file_bytes past = *bytes;
+    if (bytes->size >= 3 && memcmp(bytes->data, "\xef\xbb\xbf", 3) == 0) {
+        past.data += 3;
+        past.size -= 3;
+    }
+    return past;
+}
+
 static const struct reader *find_reader(const struct file_bytes *bytes)
 {
     struct known_format known;
@@ -46,7 +57,8 @@ static const struct reader *find_reader(const struct file_bytes *bytes)
 
 bool load_recognises(const struct file_bytes *bytes)
 {
-    return find_reader(bytes) != NULL;
+    const struct file_bytes past = past_mark(bytes);
+    return find_reader(&past) != NULL;
 }
 
 enum stp_result load_from_bytes(const struct stp_env *env, const char *path,
@@ -54,11 +66,12 @@ enum stp_result load_from_bytes(const struct stp_env *env, const char *path,
                                 struct cloud *cloud)
 {
     static const struct load_options defaults;
-    const struct reader *reader = find_reader(bytes);
+    const struct file_bytes past = past_mark(bytes);
+    const struct reader *reader = find_reader(&past);
     struct cloud read = { 0 };
     if (!reader)
-        return refuse(env, path, bytes);
-    enum stp_result result = reader->read(env, path, bytes, options ? options : &defaults, &read);
+        return refuse(env, path, &past);
+    enum stp_result result = reader->read(env, path, &past, options ? options : &defaults, &read);
     if (result != STP_OK)
         return result;
     if (bytes->inflated)

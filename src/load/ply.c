@@ -9,7 +9,8 @@
 
 bool ply_probe(const struct file_bytes *bytes)
 {
-    return bytes->size >= 4 && memcmp(bytes->data, "ply", 3) == 0 && bytes->data[3] <= ' ';
+    return bytes->size >= 3 && memcmp(bytes->data, "ply", 3) == 0 &&
+           (bytes->size == 3 || bytes->data[3] <= ' ');
 }
 
 struct ply_file {

@@ -113,7 +113,8 @@ static void conclude(struct estimate *e)
 {
     const struct probe_error *error = &e->error;
     e->low = fmax(0, error->mean - CONFIDENCE * error->spread - error->rounding - e->more);
-    e->high = error->mean + CONFIDENCE * error->spread + unseen(e) + error->rounding + e->more;
+    e->high = error->mean + CONFIDENCE * error->spread + unseen(e) + error->rounding +
+              error->flips + e->more;
 }
 
 /* What this probe says of the candidate, with the groups of the scene or of the probe alone. */

@@ -18,7 +18,6 @@
 _Static_assert(AXIS_BLOCK_WIDTH == STP_AXIS_WIDTH && AXIS_BLOCK_HEIGHT == STP_AXIS_HEIGHT &&
                    MOST_PASSES + 2 <= PLAN_MAX_PASSES,
                "blocks");
-_Static_assert(STP_AXIS_REACH == KERNEL_REACH && STP_AXIS_LEAST_ALPHA == LEAST_ALPHA, "kernels");
 
 /* Of a grid's kernels, in the frame of the shaders: x right, y down, z forward. */
 static void set_shape(struct stp_plan *plan, const struct volume *volume)
@@ -281,9 +280,6 @@ void plan_axis_resources(struct stp_plan *plan)
     size_t lists = plan->axis.walk_count * (size_t)blocks->across * blocks->down;
     bool discs = plan->constant[PLAN_AXIS_SHAPE] == AXIS_DISCS;
     bool ellipsoids = plan->constant[PLAN_AXIS_SHAPE] == AXIS_ELLIPSOIDS;
-    if (!ellipsoids && !discs) /* ellipsoids show their colours as they are */
-        plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
-                      sizeof(struct stp_material_gpu));
     if (!plan->axis.count)
         return;
     if (discs)

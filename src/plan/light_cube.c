@@ -44,8 +44,6 @@ void plan_light_cube_steps(struct stp_plan *plan)
     pass->shader = PLAN_SHADER_LIGHT_CUBE;
     pass->groups = (texels + STP_GROUP - 1) / STP_GROUP;
     plan_writes(plan, pass, PLAN_LIGHTS);
-    const uint8_t materials = plan_find(plan, PLAN_MATERIALS);
-    pass->access[pass->access_count++] = (struct plan_access){ materials, PLAN_READ };
 }
 
 /* Texels are d apart on a face of half side 1, where a step turns the normal by no more than its

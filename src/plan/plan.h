@@ -110,6 +110,7 @@ bool plan_axis_asked(const struct stp_plan *plan);
 enum stp_result plan_check_axis_surface(const struct stp_env *env, const struct stp_plan *plan);
 void plan_axis_surface_project(struct stp_plan *plan);
 void plan_surface_resources(struct stp_plan *plan); /* tile.c: splats and what goes with them */
+void plan_materials(struct stp_plan *plan);         /* of several objects */
 
 /* Their kernels, and by compute the blocks that they touch. */
 void plan_axis_resources(struct stp_plan *plan);

@@ -65,7 +65,9 @@ struct probe_color {
 struct probe_tally {
     double cells, all_cells, e, n, ee, en, nn, most; /* most: the largest e */
     double growth,
-        growth2; /* of pixels' errors, that roundings are expected to make; and squares */
+        growth2;      /* of pixels' errors, that roundings are expected to make; and squares */
+    double tossed;    /* pixels, each times what its roundings were enlarged by */
+    double bright[3]; /* the most of each channel that a pixel has */
 };
 
 struct probe_error {
@@ -73,6 +75,7 @@ struct probe_error {
     double spread;   /* standard error of that mean, from the spread over the cells; 0: all were
                         looked at */
     double rounding; /* that float arithmetic may add to the mean: probe_rounding.c */
+    double flips;    /* and pixels that change sides by it, though none was seen to */
     size_t pixels;   /* covered */
     struct probe_tally tally;
 };
@@ -101,6 +104,9 @@ size_t probe_perturb(const struct probe *probe, struct probe_fragment *fragment,
 double probe_amplify(const struct probe_sample *sample, unsigned parts);
 /* What roundings may add to the mean error of the whole picture; 0 where nothing was perturbed. */
 double probe_rounding(const struct probe_tally *tally);
+/* What pixels may add to it that change sides by roundings and are like none of those seen: so many
+ * as happen more often than once in a hundred pictures, each as large as a change can be. */
+double probe_flips(const struct probe_tally *tally);
 
 /* probe_resolve.c: a pixel's kept fragments, in canonical order. */
 struct probe_pixel {

@@ -86,6 +86,9 @@ static void judge_pixel(const struct judging *j, size_t pixel, struct probe_frag
     cell->n++;
     cell->growth += growth / times;
     cell->growth2 += growth * growth / times;
+    cell->tossed += times;
+    for (int k = 0; k < 3; k++)
+        cell->bright[k] = fmax(cell->bright[k], fmax(truth[k], color[k]));
 }
 
 static void judge_cells(void *context, size_t begin, size_t end, unsigned worker)
@@ -121,6 +124,7 @@ static void conclude(const struct probe_tally *t, struct probe_error *error)
     double left = t->all_cells > t->cells ? 1 - t->cells / t->all_cells : 0;
     error->spread = sqrt(fmax(squares, 0) * left) / t->n;
     error->rounding = probe_rounding(t);
+    error->flips = probe_flips(t);
 }
 
 static void add(struct probe_tally *sum, const struct probe_tally *t)
@@ -134,6 +138,9 @@ static void add(struct probe_tally *sum, const struct probe_tally *t)
     sum->most = fmax(sum->most, t->most);
     sum->growth += t->growth;
     sum->growth2 += t->growth2;
+    sum->tossed += t->tossed;
+    for (int k = 0; k < 3; k++)
+        sum->bright[k] = fmax(sum->bright[k], t->bright[k]);
 }
 
 /* In the order of the cells, whichever thread did them. */

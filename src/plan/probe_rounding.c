@@ -20,6 +20,9 @@
 #define PLANE   16
 #define NORMAL  4
 #define CERTAIN 3 /* standard deviations of how many pixels change sides */
+#define UNSEEN  3 /* none seen where so many are expected: once in 20 */
+#define SELDOM  0.01
+#define MANY    100 /* a count of so many is even about its mean */
 
 static uint32_t mix(uint32_t h)
 {
@@ -82,4 +85,27 @@ double probe_rounding(const struct probe_tally *t)
         return 0;
     double pixels = t->n * t->all_cells / t->cells;
     return fmax(t->growth, 0) / t->n + CERTAIN * sqrt(t->growth2 / (t->n * pixels));
+}
+
+/* The least number that as many independent rare events exceed more seldom than that. */
+static double most_of(double expected)
+{
+    if (expected > MANY)
+        return expected + CERTAIN * sqrt(expected);
+    double exactly = exp(-expected), more = 1 - exactly, most = 0;
+    while (more > SELDOM) {
+        exactly *= expected / ++most;
+        more -= exactly;
+    }
+    return most;
+}
+
+/* A pixel that changes sides takes one colour of the picture for another, or what is behind. */
+double probe_flips(const struct probe_tally *t)
+{
+    if (!(t->tossed > 0) || !(t->cells < t->all_cells))
+        return 0;
+    double pixels = t->n * t->all_cells / t->cells;
+    double most = most_of(UNSEEN * (pixels - t->n) / t->tossed);
+    return most * (t->bright[0] + t->bright[1] + t->bright[2]) / (3 * pixels);
 }

@@ -36,8 +36,7 @@ static void scene_resources(struct stp_plan *plan)
     if (plan->constant[PLAN_CULL_CLUSTERS])
         texels(plan, "clusters", PLAN_TEXEL_CLUSTERS, PLAN_TEXELS_RGBA32UI,
                (n + STP_CLUSTER - 1) / STP_CLUSTER * 32);
-    plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
-                  plan->facts.objects * sizeof(struct stp_material_gpu));
+    plan_materials(plan);
 }
 
 /* 0: none; 1: colours; 2: colours, ids and objects. */

@@ -41,6 +41,14 @@ static void outputs(struct stp_plan *plan)
         plan_resource(plan, "id", PLAN_OUT_ID, PLAN_OUTPUT, pixels * 4 * plan_id_words(plan));
 }
 
+/* An only object's stands in the frame block (common.glsl). */
+void plan_materials(struct stp_plan *plan)
+{
+    if (plan->constant[PLAN_HAS_OBJECTS])
+        plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
+                      plan->facts.objects * sizeof(struct stp_material_gpu));
+}
+
 void plan_surface_resources(struct stp_plan *plan)
 {
     uint64_t n = plan_splats(plan) + plan_ghosts(plan);
@@ -50,8 +58,7 @@ void plan_surface_resources(struct stp_plan *plan)
     if (plan->constant[PLAN_OPACITY] == 2)
         plan_resource(plan, "opacities", PLAN_OPACITIES, PLAN_SCENE, n * 4);
     plan_phong_resources(plan);
-    plan_resource(plan, "materials", PLAN_MATERIALS, PLAN_SCENE,
-                  plan->facts.objects * sizeof(struct stp_material_gpu));
+    plan_materials(plan);
 }
 
 /* Blocks that nothing touches are never resolved: they keep what these fills leave. */

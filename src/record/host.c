@@ -2,6 +2,7 @@
 #include "record/resident.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -136,6 +137,10 @@ static enum stp_result check_record(const struct stp_env *env, const struct stp_
     const struct stp_plan *plan = frame->plan;
     if (resident->splats != plan->facts.splats || resident->color != plan->facts.has_color)
         return log_error(env, STP_ERROR_ARGUMENT, "the frame's plan is of another scene");
+    if (memcmp(&resident->material, &plan->frame.material, sizeof resident->material) != 0)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the frame's plan has another material or epsilon than the resident; make "
+                         "it with the resident's scene and epsilon");
     if (!resident->recorded)
         return log_error(env, STP_ERROR_ARGUMENT, "the scene's upload has not been recorded");
     if (camera->width == 0 || camera->height == 0 || camera->width > frame->width ||

@@ -112,6 +112,7 @@ enum stp_result stp_resident_create(const struct stp_env *env, struct stp_contex
     made->context = context;
     made->splats = scene->splats.count;
     made->color = plan->facts.has_color;
+    made->material = plan_material(plan, &scene->objects[0]);
     if (params->splats)
         borrow(made, params);
     result = upload(env, scene, plan, made);

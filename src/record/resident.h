@@ -10,6 +10,7 @@ struct stp_resident {
     struct gpu_buffer buffer[PLAN_BUFFER_SLOTS]; /* of PLAN_SCENE, by slot */
     VkBuffer borrowed;                           /* the host's splats; may be null */
     uint64_t splats;
+    struct stp_material_gpu material; /* of the first object; of the only one frames have it, too */
     bool color, recorded;
     uint32_t pending_count;
     struct gpu_pending pending[GPU_MOST_PENDING];

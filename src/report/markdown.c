@@ -59,8 +59,7 @@ static void heading(FILE *out, const struct report *report)
     if (report->command)
         fprintf(out, "Made by\n\n    %s\n\n", report->command);
     fprintf(out, "stipple %s on %s (%s); %zu %s, %u x %u pixels", report->version, report->device,
-            report->driver, report->splats, report->is_volume ? "kernels" : "splats", report->width,
-            report->height);
+            report->driver, report->splats, report_splats(report), report->width, report->height);
     if (!report->is_volume)
         surface(out, report);
     fputs(". ", out);

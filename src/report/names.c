@@ -59,3 +59,11 @@ const char *report_number(double value, char text[REPORT_NUMBER_SIZE])
                  value);
     return text;
 }
+
+const char *report_splats(const struct report *report)
+{
+    bool one = report->splats == 1;
+    if (report->is_volume)
+        return one ? "kernel" : "kernels";
+    return one ? "splat" : "splats";
+}

@@ -120,6 +120,8 @@ struct report_times report_times(double *ms, unsigned count);
  */
 #define REPORT_NAME_SIZE 96
 const char *report_row_name(const struct report_row *row, char name[REPORT_NAME_SIZE]);
+/* "splats", or what else the scene is drawn of, in the number of report->splats. */
+const char *report_splats(const struct report *report);
 /* Four significant digits at most, no exponent from 0.001 to 99999; "inf" for infinity. */
 #define REPORT_NUMBER_SIZE 32
 const char *report_number(double value, char text[REPORT_NUMBER_SIZE]);

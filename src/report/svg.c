@@ -153,7 +153,7 @@ static void draw_heading(const struct plot *plot)
     fprintf(plot->out, "<text class=\"heading\" x=\"%d\" y=\"34\">Speed against error: ", LEFT);
     svg_text(plot->out, r->title);
     fprintf(plot->out, "</text>\n<text class=\"note\" x=\"%d\" y=\"58\">%zu %s, %u x %u pixels, ",
-            LEFT, r->splats, r->is_volume ? "kernels" : "splats", r->width, r->height);
+            LEFT, r->splats, report_splats(r), r->width, r->height);
     svg_text(plot->out, r->device);
     fputs(".", plot->out);
     for (unsigned i = 0; i < r->row_count; i++)

@@ -100,6 +100,69 @@ static void test_volumes(void **state)
     stage_close(&s);
 }
 
+static struct stp_scene *ball_of(struct engine *e, const struct stp_material *material)
+{
+    static const double position[4][3] = {
+        { 1, 1, 1 }, { 1, -1, -1 }, { -1, 1, -1 }, { -1, -1, 1 }
+    };
+    const struct stp_points points = { .count = 4, .position = position };
+    const struct stp_object_params object = { .material = material };
+    struct stp_scene *scene = NULL;
+    assert_int_equal(stp_scene_create(&e->env, &scene), STP_OK);
+    assert_int_equal(stp_scene_add_points(&e->env, scene, &points, &object), STP_OK);
+    assert_int_equal(stp_scene_prepare(&e->env, scene, NULL), STP_OK);
+    return scene;
+}
+
+static enum stp_result record_with(struct stage *s, struct stp_scene *scene,
+                                   const struct stp_resident *resident,
+                                   const struct stp_render_params *params)
+{
+    struct stp_plan *plan = stage_plan(&s->engine, s->context, scene, &s->camera, params);
+    struct stp_frame *frame = stage_frame(&s->engine, s->context, plan, &formats);
+    struct stp_targets targets = stage_targets(s);
+    VkCommandBuffer commands = engine_begin(&s->engine, 0);
+    stage_clear(commands, s, NULL, 0);
+    enum stp_result result =
+        stp_frame_record(&s->engine.env, frame, resident, &s->camera, &targets, commands);
+    engine_submit(&s->engine, 0);
+    engine_finish(&s->engine);
+    stp_frame_destroy(&frame);
+    stp_plan_destroy(&plan);
+    return result;
+}
+
+/* Every field of another scene's material, and another epsilon; the resident's own is drawn. */
+static void test_materials(void **state)
+{
+    const struct stp_material own = { 0.1f, 0.7f, 0.2f, 32, { 0.8f, 0.8f, 0.8f }, 1 };
+    struct stp_render_params params = { .method = STP_METHOD_EXACT };
+    struct stage s;
+    stage_open(&s, formats.color_format, formats.depth_format, NULL);
+    struct stp_scene *scene = ball_of(&s.engine, &own);
+    struct stp_plan *plan = stage_plan(&s.engine, s.context, scene, &s.camera, &params);
+    struct stp_resident *resident =
+        stage_resident(&s.engine, s.context, scene, plan, &(struct stp_resident_params){ 0 });
+    assert_int_equal(record_with(&s, scene, resident, &params), STP_OK);
+    for (unsigned i = 0; i < 7; i++) {
+        struct stp_material other = own;
+        float *field[] = { &other.ambient,   &other.diffuse,   &other.specular, &other.shininess,
+                           &other.albedo[0], &other.albedo[1], &other.albedo[2] };
+        *field[i] *= 2;
+        struct stp_scene *changed = ball_of(&s.engine, &other);
+        assert_int_equal(record_with(&s, changed, resident, &params), STP_ERROR_ARGUMENT);
+        assert_non_null(strstr(s.engine.last, "another material or epsilon"));
+        stp_scene_destroy(&changed);
+    }
+    params.epsilon = 0.5;
+    assert_int_equal(record_with(&s, scene, resident, &params), STP_ERROR_ARGUMENT);
+    assert_non_null(strstr(s.engine.last, "another material or epsilon"));
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
+    stp_scene_destroy(&scene);
+    stage_close(&s);
+}
+
 /* None of it is left behind: a frame that is drawn can be made after. */
 static void test_next_is_drawn(void **state)
 {
@@ -120,9 +183,8 @@ static void test_next_is_drawn(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_methods),
-        cmocka_unit_test(test_transparencies),
-        cmocka_unit_test(test_volumes),
+        cmocka_unit_test(test_methods),       cmocka_unit_test(test_transparencies),
+        cmocka_unit_test(test_volumes),       cmocka_unit_test(test_materials),
         cmocka_unit_test(test_next_is_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -21,9 +21,8 @@ static void splats_and_their_lists(void **state)
     assert_int_equal(resource_named(plan, "splats")->bytes, 32 * splats);
     assert_int_equal(resource_named(plan, "projected")->bytes, 64 * splats);
     assert_int_equal(plan_bytes(plan, PLAN_TRANSIENT), 64 * splats);
-    assert_int_equal(plan_bytes(plan, PLAN_SCENE), 32 * splats + blocks +
-                                                       resource_named(plan, "materials")->bytes +
-                                                       (plan->facts.has_color ? 12 * splats : 0));
+    assert_int_equal(plan_bytes(plan, PLAN_SCENE),
+                     32 * splats + blocks + (plan->facts.has_color ? 12 * splats : 0));
     assert_int_equal(plan->pass_count, 2);
     assert_int_equal(pass_named(plan, "project")->shader, PLAN_SHADER_AXIS_SURFACE);
     assert_int_equal(pass_named(plan, "walks")->shader, PLAN_SHADER_AXIS_BLOCK_SHUFFLED);

@@ -201,7 +201,7 @@ static const struct feature {
     { "colours", color_inputs, ALL, "+colors", NULL, PLAN_HAS_COLOR, 1 },
     { "colours", color_inputs, TWO_PASS_RASTER, "+color sum", NULL, -1, 0 },
     { "colours", color_inputs, KEYS, NULL, NULL, PLAN_PACKED, 0 },
-    { "objects", two_objects, ALL, NULL, NULL, PLAN_HAS_OBJECTS, 1 },
+    { "objects", two_objects, ALL, "+materials", NULL, PLAN_HAS_OBJECTS, 1 },
     { "objects", two_objects, EXACT, "+slot ids", NULL, PLAN_KEY_IDS, 1 },
     { "unknown normals", unknown_normals, ALL, NULL, NULL, PLAN_HAS_UNKNOWN, 1 },
     { "no floor", floor_off, ALL, NULL, NULL, PLAN_FLOOR, 0 },
@@ -317,7 +317,7 @@ static void test_the_least(void **state)
         [PLAN_ATOMIC64] = 1, [PLAN_FLOAT64] = 1, [PLAN_SAMPLE_GRID] = 1
     };
     assert_memory_equal(plan->constant, expected, sizeof expected);
-    assert_int_equal(resource_named(plan, "materials")->bytes, 32);
+    assert_int_equal(plan_bytes(plan, PLAN_SCENE), 100 * 32);
     assert_int_equal(resource_named(plan, "splats")->bytes, 100 * 32);
     stp_plan_destroy(&plan);
     release_inputs(&in);
@@ -397,11 +397,11 @@ static void test_transparency(void **state)
 static void test_the_least_of_all(void **state)
 {
     static const char *const resources[WAYS] = {
-        "splats materials color normal depth work large slots counts ",
-        "splats materials color normal depth work large sums ",
-        "splats materials color normal depth nearest depth test sum depth sum ",
-        "splats materials color normal depth work large keys ",
-        "splats materials color normal depth winners depth test order ",
+        "splats color normal depth work large slots counts ",
+        "splats color normal depth work large sums ",
+        "splats color normal depth nearest depth test sum depth sum ",
+        "splats color normal depth work large keys ",
+        "splats color normal depth winners depth test order ",
     };
     static const char *const constants[WAYS] = {
         "0=1 2=1 11=1 15=5 18=1 20=1 21=1 ",     "0=1 11=1 15=5 18=1 20=1 21=1 ",

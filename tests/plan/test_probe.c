@@ -328,6 +328,78 @@ static void test_rounding(void **state)
     }
 }
 
+/* How many of so many happen: by inversion. */
+static double poisson(double expected, uint32_t *state)
+{
+    double u = uniform(state), exactly = exp(-expected), count = 0;
+    for (double sum = exactly; sum < u && count < 1000; sum += exactly)
+        exactly *= expected / ++count;
+    return count;
+}
+
+#define COVERED 5e5
+#define SAMPLED 4096.0
+#define TIMES   1024.0
+#define CHANGE  0.8
+
+/* Of pictures in which this many pixels are expected to change sides, the share whose error is
+ * above what a sample says of them, with those that it cannot see and without. */
+static void draw_lots(double expected, double beyond[2])
+{
+    const int trials = 20000;
+    uint32_t state = (uint32_t)(1000 * expected) + 1;
+    beyond[0] = beyond[1] = 0;
+    for (int i = 0; i < trials; i++) {
+        double seen = poisson(expected * SAMPLED * TIMES / COVERED, &state);
+        const struct probe_tally tally = { .cells = SAMPLED / 16,
+                                           .all_cells = COVERED / 16,
+                                           .n = SAMPLED,
+                                           .growth = seen * CHANGE / TIMES,
+                                           .growth2 = seen * CHANGE * CHANGE / TIMES,
+                                           .tossed = SAMPLED * TIMES,
+                                           .bright = { CHANGE, CHANGE, CHANGE } };
+        double error = poisson(expected, &state) * CHANGE / COVERED;
+        double said = probe_rounding(&tally);
+        beyond[0] += error > said;
+        beyond[1] += error > said + probe_flips(&tally);
+    }
+    beyond[0] /= trials;
+    beyond[1] /= trials;
+}
+
+/* However often pixels change sides, hardly a picture has more of them than is said; the roundings
+ * that were seen alone miss what happens in one of ten pictures. */
+static void test_flips(void **state)
+{
+    static const double expected[] = { 0.001, 0.01, 0.03, 0.1, 0.2, 0.4, 1, 3, 10, 30 };
+    double worst = 0;
+    for (unsigned i = 0; i < sizeof expected / sizeof *expected; i++) {
+        double beyond[2];
+        draw_lots(expected[i], beyond);
+        worst = fmax(worst, beyond[0]);
+        if (beyond[1] > 0.01)
+            fail_msg("%g expected: %g of the pictures beyond", expected[i], beyond[1]);
+    }
+    assert_true(worst > 0.03);
+}
+
+/* Where every pixel is seen none is unseen; what little is left counts less than the much. */
+static void test_flips_left(void **state)
+{
+    struct probe_tally tally = { .cells = 256, .all_cells = 256, .n = 4096, .tossed = 4096 };
+    tally.bright[0] = 3;
+    assert_true(probe_flips(&tally) == 0);
+    tally.all_cells = 257; /* 3 times 16 of 4096 */
+    assert_true(fabs(probe_flips(&tally) * 4096 * 257 / 256 - 1) < 1e-9);
+    for (double all = 512; all < 1e9; all *= 8) {
+        tally.all_cells = all;
+        double most = probe_flips(&tally) * all * 16, expected = 3 * (all * 16 - 4096) / 4096;
+        assert_true(most >= expected && most <= expected + 3 * sqrt(expected) + 1);
+    }
+    tally.tossed = 0; /* nothing was perturbed */
+    assert_true(probe_flips(&tally) == 0);
+}
+
 static void ignore(void *user, enum stp_log_level level, const char *line)
 {
 }
@@ -369,6 +441,7 @@ int main(void)
         cmocka_unit_test(test_winners),     cmocka_unit_test(test_groups),
         cmocka_unit_test(test_sampling),    cmocka_unit_test(test_parts),
         cmocka_unit_test(test_rounding),    cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_flips),       cmocka_unit_test(test_flips_left),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -102,6 +102,32 @@ struct progress {
     unsigned calls;
 };
 
+/* The mark that UTF-8 may begin with is no part of any format, and of no first point. */
+static void test_mark(void **state)
+{
+    static const char *const texts[] = {
+        ply,
+        "1 2 3\n4 5 6\n",
+        "x,y,z\n1,2,3\n4,5,6\n",
+        "OFF\n2 0 0\n1 2 3\n4 5 6\n",
+        "v 1 2 3\nv 4 5 6\n",
+        ("VERSION .7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH 2\nHEIGHT 1\n"
+         "POINTS 2\nDATA ascii\n1 2 3\n4 5 6\n"),
+    };
+    for (size_t i = 0; i < sizeof texts / sizeof *texts; i++) {
+        char marked[1024] = "\xef\xbb\xbf";
+        strcat(marked, texts[i]);
+        struct cloud plain = read_text(texts[i]), cloud = read_text(marked);
+        assert_int_equal(cloud.count, 2);
+        assert_true(same_cloud(&plain, &cloud));
+        cloud_release(&plain);
+        cloud_release(&cloud);
+    }
+    refuse_text("\xef\xbb\xbf", STP_ERROR_FORMAT, "the file is empty");
+    refuse_text("\xef\xbb\xbf{", STP_ERROR_FORMAT, "JSON");
+    refuse_text("ply", STP_ERROR_FORMAT, "no end_header");
+}
+
 static void note_progress(void *user, const char *stage, double fraction)
 {
     struct progress *progress = user;
@@ -130,9 +156,8 @@ static void test_progress(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_file_and_gzip),
-        cmocka_unit_test(test_known_formats),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_file_and_gzip), cmocka_unit_test(test_known_formats),
+        cmocka_unit_test(test_mark),          cmocka_unit_test(test_memory),
         cmocka_unit_test(test_progress),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

@@ -9,18 +9,18 @@
 #define ROUNDS 6000 /* per seed */
 
 static const char *const seeds[] = {
-    "ply\nformat ascii 1.0\ncomment c\nelement vertex 3\nproperty float x\nproperty double y\n"
-    "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
-    "property float intensity\nelement face 1\nproperty list uchar int vertex_indices\n"
-    "end_header\n1 2 3 4 5 6 7\n-1e5 .5 nan 0 255 3 8\n1 1 1 1 1 1 1\n3 0 1 2\n",
-    "ply\nformat ascii 1.0\nelement a 2\nproperty list uchar int v\nelement vertex 2\n"
-    "property list int float w\nproperty int x\nproperty int y\nproperty int z\nend_header\n"
-    "2 1 1\n0\n1 0.5 1 2 3\n2 7 7 4 5 6\n",
+    ("ply\nformat ascii 1.0\ncomment c\nelement vertex 3\nproperty float x\nproperty double y\n"
+     "property float z\nproperty uchar red\nproperty uchar green\nproperty uchar blue\n"
+     "property float intensity\nelement face 1\nproperty list uchar int vertex_indices\n"
+     "end_header\n1 2 3 4 5 6 7\n-1e5 .5 nan 0 255 3 8\n1 1 1 1 1 1 1\n3 0 1 2\n"),
+    ("ply\nformat ascii 1.0\nelement a 2\nproperty list uchar int v\nelement vertex 2\n"
+     "property list int float w\nproperty int x\nproperty int y\nproperty int z\nend_header\n"
+     "2 1 1\n0\n1 0.5 1 2 3\n2 7 7 4 5 6\n"),
     "1 2 3 0 0 1\n4 5 6 0.6 0.8 0\n7 8 9 1 0 0\n",
     "3\n//X,Y,Z,R,G,B,Label\n1,2,3,255,0,9,1\n4,5,6,1,2,3,2\n7,8,9,4,5,6,3\n",
     "NCOFF\n2 1 0\n1 2 3 0 0 1 255 255 0 255\n4 5 6 0 1 0 0 0 9 255\n3 0 1 0\n",
-    "# .PCD v.7\nVERSION .7\nFIELDS x y z rgb w\nSIZE 4 4 8 4 2\nTYPE F F F F U\nCOUNT 1 1 1 1 2\n"
-    "WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2 3 4278190335 5 6\n7 8 nan 1e-38 9 0\n",
+    ("# .PCD v.7\nVERSION .7\nFIELDS x y z rgb w\nSIZE 4 4 8 4 2\nTYPE F F F F U\nCOUNT 1 1 1 1 2\n"
+     "WIDTH 2\nHEIGHT 1\nPOINTS 2\nDATA ascii\n1 2 3 4278190335 5 6\n7 8 nan 1e-38 9 0\n"),
     "v 1 2 3 0.5 0.5 0.5\nv 4 5 6 1 1 1\nvn 0 0 1\nvn 1 0 0\nf 1//1 2//2 -1//-1\n",
 };
 

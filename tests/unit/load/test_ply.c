@@ -204,8 +204,8 @@ static void test_no_vertices(void **state)
 {
     static const char *const texts[] = {
         "ply\nformat ascii 1.0\nend_header\n",
-        "ply\nformat binary_big_endian 1.0\nelement face 0\nproperty list uchar int "
-        "v\nend_header\n",
+        ("ply\nformat binary_big_endian 1.0\nelement face 0\n"
+         "property list uchar int v\nend_header\n"),
         "ply\nformat ascii 1.0\nelement vertex 0\nproperty float x\nend_header\n",
         "ply\nformat ascii 1.0\nelement vertex 0\nend_header\n",
     };

@@ -195,6 +195,25 @@ static void samples(void **state)
     free(text);
 }
 
+/* One is one, in the table's heading and in the plot's. */
+static void counts(void **state)
+{
+    static const char *const words[2][2] = { { "; 1 splat, ", "; 2 splats, " },
+                                             { "; 1 kernel, ", "; 2 kernels, " } };
+    for (unsigned i = 0; i < 4; i++) {
+        struct report_row rows[MADE_ROWS];
+        struct report report = made_report(rows);
+        report.splats = 1 + i % 2;
+        report.is_volume = i / 2;
+        report_find_front(&report);
+        char *table = written(report_markdown, &report), *plot = written(report_svg, &report);
+        assert_non_null(strstr(table, words[i / 2][i % 2]));
+        assert_non_null(strstr(plot, words[i / 2][i % 2] + 2));
+        free(table);
+        free(plot);
+    }
+}
+
 static void numbers(void **state)
 {
     static const struct {
@@ -228,6 +247,7 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(csv),
         cmocka_unit_test(markdown),
+        cmocka_unit_test(counts),
         cmocka_unit_test(without_two_pass),
         cmocka_unit_test(layers_and_lists),
         cmocka_unit_test(samples),
