@@ -28,9 +28,17 @@
 #define STP_GROUP              64   /* threads of a workgroup */
 #define STP_LARGE_AREA         1024 /* pixels of bounds above which a splat takes a workgroup */
 #define STP_LARGE_GROUP        128
+#define STP_BIN_AREA           512 /* with BINS: above which it is drawn block by block */
+#define STP_BIN_SPLATS         32768u /* large splats, at most, that are drawn block by block */
+#define STP_BIN_ENTRIES        64u    /* of their lists, a block in the mean */
+#define STP_BIN_GROUP          8      /* threads that bin a splat */
+#define STP_BIN_DISC           5      /* vectors of a record: lib/record.glsl */
+#define STP_BIN_ELLIPSE        9
+#define STP_BIN_CLIPPED        10
 #define STP_ROW                32768u /* workgroups along x; more go along y */
 #define STP_SLOTS              64 /* fragments a pixel that `exact` keeps before its second way */
 #define STP_SUM_WORDS          10 /* 64-bit words of a pixel's fixed-point sums */
+#define STP_SUM_WORDS_PLAIN    6  /* without colours and fragments */
 #define STP_LIGHTS             8
 #define STP_ENVIRONMENT_LEVELS 12
 /* What PLAN_OPTICS holds, or-ed. */
@@ -107,7 +115,12 @@
 #define STP_WORK_COLLECT       20 /* x y z: all splats, to find those; else 0 */
 #define STP_WORK_OVERFLOW      24 /* not 0: a pixel's slots overflowed */
 #define STP_WORK_REMAINING     25 /* not 0: rays that are being mended have layers left */
-/* A word a block. Pyramid: then two words a block, a bit for each open pixel; then three lists. */
+/* Two-pass, which repairs nothing, with BINS: */
+#define STP_WORK_REST          20 /* x y z count of large splats that are not binned */
+#define STP_WORK_BINNED        8  /* x y z: workgroups, and count, of blocks that have lists */
+#define STP_WORK_ENTRIES       24 /* of those lists, handed out */
+/* A word a block. Then the list of touched blocks; with BINS the heads of the blocks' lists (the
+ * first entry + 1), and the list of the blocks that have one. Pyramid: then two words a block, a bit for each open pixel; then three lists. */
 #define STP_WORK_FLAGS         32
 #define STP_WORK_BLOCK_WORDS   6 /* pyramid: all of these, a block */
 #define STP_WORK_BLOCK_RESET   3 /* those that start as 0 */
@@ -182,13 +195,16 @@ struct stp_frame_constants {
                                         may hide; then the points of STP_WORK_RIM, large ones from the
                                         end */
     STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair */
+    STP_ADDRESS(UintRef, bins);      /* large splats that are not binned; then the entries of the
+                                        blocks' lists: record, and the next entry + 1 */
     STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
     STP_ADDRESS(UintRef, key_ids);   /* exact, packed, when ids are needed beside */
     STP_ADDRESS(UintRef, counts);    /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);   /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
     STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour; or
-                                        STP_ELLIPSOID_DRAWN, STP_GAUSSIAN */
+                                        STP_ELLIPSOID_DRAWN, STP_GAUSSIAN; else STP_BIN_DISC, ...:
+                                        of large splats, by their place in `large` */
     STP_ADDRESS(Vec4Ref, axis_sums); /* axis, in parts: 2 a pixel and walk */
     STP_ADDRESS(UintRef,
                 host_words);      /* the host's depth as it was copied, rows of what was copied */

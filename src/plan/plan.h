@@ -104,6 +104,7 @@ void plan_leave_device(struct stp_plan *plan);
 void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
+uint32_t plan_sum_words(const struct stp_plan *plan); /* of a pixel, by compute */
 void plan_axis(struct stp_plan *plan);
 /* axis_surface.c: of points and splats, drawn as flat Gaussians. */
 bool plan_axis_asked(const struct stp_plan *plan);
