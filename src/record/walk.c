@@ -1,52 +1,6 @@
-/* Barriers come from what passes declare: a hazard on any resource asks for one memory barrier. */
+/* The passes of a plan, one after another; what they wait for: hazards.h. */
+#include "record/hazards.h"
 #include "record/record.h"
-
-struct scope {
-    VkPipelineStageFlags2 stages;
-    VkAccessFlags2 access;
-};
-
-/* What has touched each resource since it was last waited for. */
-struct hazards {
-    struct scope written[PLAN_MAX_RESOURCES];
-    VkPipelineStageFlags2 read[PLAN_MAX_RESOURCES];
-};
-
-static struct scope attachment_scope(const struct plan_resource *resource)
-{
-    if (resource->format == PLAN_D32F)
-        return (struct scope){ VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |
-                                   VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
-                               VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
-                                   VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT };
-    return (struct scope){ VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
-                           VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT |
-                               VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT };
-}
-
-static struct scope scope_of(const struct stp_plan *plan, const struct plan_pass *pass,
-                             const struct plan_access *access)
-{
-    const struct plan_resource *resource = &plan->resource[access->resource];
-    if (pass->kind == PLAN_FILL || pass->kind == PLAN_ARGUMENTS || pass->kind == PLAN_COPY_DEPTH)
-        return (struct scope){ VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
-                               VK_ACCESS_2_TRANSFER_WRITE_BIT };
-    if (access->kind & PLAN_ATTACHMENT)
-        return attachment_scope(resource);
-    struct scope scope = { pass->kind == PLAN_DRAW ? VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
-                                                         VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT
-                                                   : VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                           0 };
-    if (access->kind & PLAN_READ)
-        scope.access |= VK_ACCESS_2_SHADER_READ_BIT; /* as storage or as texels */
-    if (access->kind & PLAN_WRITE)
-        scope.access |= VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-    if (pass->kind == PLAN_DISPATCH_INDIRECT && resource->slot == PLAN_WORK) {
-        scope.stages |= VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
-        scope.access |= VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
-    }
-    return scope;
-}
 
 static void barrier(struct record_frame *frame, VkCommandBuffer commands,
                     const VkMemoryBarrier2 *memory)
@@ -57,34 +11,11 @@ static void barrier(struct record_frame *frame, VkCommandBuffer commands,
     frame->context->vk.vkCmdPipelineBarrier2(commands, &info);
 }
 
-/* Adds what this access must wait for, and notes it for those that follow. */
-static void collect(const struct stp_plan *plan, const struct plan_pass *pass,
-                    const struct plan_access *access, struct hazards *hazards,
-                    VkMemoryBarrier2 *memory)
-{
-    uint8_t r = access->resource;
-    struct scope scope = scope_of(plan, pass, access);
-    bool writes = (access->kind & PLAN_WRITE) != 0;
-    if (hazards->written[r].stages || (writes && hazards->read[r])) {
-        memory->srcStageMask |= hazards->written[r].stages | (writes ? hazards->read[r] : 0);
-        memory->srcAccessMask |= hazards->written[r].access;
-        memory->dstStageMask |= scope.stages;
-        memory->dstAccessMask |= scope.access;
-    }
-    if (writes) {
-        hazards->written[r] = scope;
-        hazards->read[r] = 0;
-    } else {
-        hazards->read[r] |= scope.stages;
-    }
-}
-
 static void synchronise(struct record_frame *frame, VkCommandBuffer commands,
                         const struct plan_pass *pass, struct hazards *hazards, bool skip)
 {
     VkMemoryBarrier2 memory = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2 };
-    for (unsigned i = 0; i < pass->access_count; i++)
-        collect(frame->plan, pass, &pass->access[i], hazards, &memory);
+    hazards_add(hazards, frame->plan, pass, &memory);
     if (memory.srcStageMask && !skip)
         barrier(frame, commands, &memory);
 }
