@@ -187,19 +187,38 @@ static struct record_steps steps_between(const struct stp_plan *plan, uint32_t p
     return steps;
 }
 
-/* A part of one chunk: the first begins its sample, the last goes on to the picture. */
+/* Of a sample: one a chunk, and where passes take the chunks again, one more for each but the last,
+ * which is still there and goes on with them. */
+static uint32_t chunk_parts(const struct stp_plan *plan)
+{
+    return plan->again_end ? 2 * plan->chunk_count - 1 : plan->chunk_count;
+}
+
+/* Where the passes of a chunk's part end, which is not the last of its sample. */
+static uint32_t chunk_part_end(const struct stp_plan *plan, uint32_t turn)
+{
+    return turn + 1 < plan->chunk_count ? plan->chunk_end : plan->again_end;
+}
+
+/* A part of one chunk: the first begins its sample, the last goes on to the picture. Again, chunks
+ * come from the last to the first. */
 static struct record_steps steps_of_chunk(const struct stp_plan *plan, uint32_t part)
 {
-    uint32_t sample = part / plan->chunk_count, chunk = part % plan->chunk_count;
-    bool last = chunk + 1 == plan->chunk_count, ends = last && sample + 1 == plan_samples(plan);
-    uint32_t first = chunk > 0 ? plan->chunk_first : part > 0 ? plan->repeat_first : 0;
-    uint32_t end = ends ? plan->pass_count : last ? plan->repeat_end : plan->chunk_end;
+    uint32_t parts = chunk_parts(plan), sample = part / parts, turn = part % parts;
+    uint32_t chunks = plan->chunk_count, chunk = turn < chunks ? turn : 2 * (chunks - 1) - turn;
+    bool last = turn + 1 == parts, ends = last && sample + 1 == plan_samples(plan);
+    uint32_t first = turn >= chunks ? plan->again_first
+                     : turn > 0     ? plan->chunk_first
+                     : sample > 0   ? plan->repeat_first
+                                    : 0;
+    uint32_t end = ends ? plan->pass_count : last ? plan->repeat_end : chunk_part_end(plan, turn);
     return (struct record_steps){ .plan = plan,
                                   .count = end - first,
                                   .before = end - first,
                                   .first_sample = sample,
                                   .first_pass = first,
                                   .chunk = chunk,
+                                  .keeps = turn > 0,
                                   .exchange = RECORD_NO_PASS,
                                   .last = ends };
 }
@@ -207,7 +226,7 @@ static struct record_steps steps_of_chunk(const struct stp_plan *plan, uint32_t 
 uint32_t record_parts(const struct stp_plan *plan)
 {
     if (plan->chunk_count)
-        return plan_samples(plan) * plan->chunk_count;
+        return plan_samples(plan) * chunk_parts(plan);
     if (plan->loop_first)
         return 2 * plan_samples(plan) + 1;
     uint32_t count = exchanges(plan);
@@ -285,7 +304,7 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
     timed = timed && frame->queries;
     if (timed)
         frame->context->vk.vkCmdResetQueryPool(commands, frame->queries, 0, steps.count + 1);
-    begin(frame, commands, steps.chunk > 0);
+    begin(frame, commands, steps.keeps);
     frame->resources.points = points_of(plan, steps.chunk);
     write_constants(frame, commands, tile);
     bind(frame, commands);
