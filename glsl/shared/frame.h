@@ -59,10 +59,9 @@
 #define STP_TAG_OPAQUE    128u        /* opacity 1, in a scene that is transparent elsewhere */
 #define STP_NO_NORMAL     0x80008000u /* of a point: no octahedral normal is packed to this */
 #define STP_NO_POINT      0x7fffffffu /* key words of a pixel that no point fell into */
-#define STP_RIM_DEPTH     0x7f800001u /* then, of one that the push left empty: farther than all */
-#define STP_RIM_NONE      0x7ffffffeu
-#define STP_RIM           0x60000000u /* added to the pixel whose point reaches one from outside */
-#define STP_RIM_REACH     255         /* pixels: as far as such a point is looked for */
+#define STP_RIM_DEPTH     0x7f800001u /* then, of an open one: farther than all */
+#define STP_RIM_NONE      0x7ffffffeu /* and no point */
+#define STP_RIM_REACH     255         /* pixels: as far as a disc is looked for there */
 #define STP_POINT_RUN     512         /* points that a workgroup projects */
 #define STP_CLUSTER       64          /* points that are culled together */
 #define STP_LEVELS        16          /* of a pyramid, at most */
@@ -103,11 +102,11 @@
 #define STP_WORK_LARGE         0 /* x y z count of large splats, or of STP_WORK_RIM's large discs */
 #define STP_WORK_BLOCKS        4 /* x y z count of touched blocks */
 #define STP_WORK_LEVEL_1       8 /* x y z: pyramid, texels of level 1 in touched blocks; then level 2 */
+#define STP_WORK_FAR           11 /* pyramid, not 0: a disc reaches beyond the pixels beside its own */
 #define STP_WORK_LEVEL_2       12
 #define STP_WORK_LOOK          16 /* x y z count of blocks with pixels to be looked at again */
-#define STP_WORK_RIM           20 /* x y z count of points that may reach an empty pixel from afar */
-#define STP_WORK_FIND          24 /* pyramid, x y z: the touched blocks again; 0 where no disc is far */
-#define STP_WORK_FAR           27 /* pyramid, not 0: a disc reaches beyond the pixels beside its own */
+#define STP_WORK_RIM           20 /* x y z count of points that may reach an open pixel */
+#define STP_WORK_FIND          24 /* x y z count of clusters whose points may; z starts as 0 */
 #define STP_WORK_OPEN          28 /* x y z count of blocks with such pixels */
 #define STP_WORK_REPAIR        8  /* x y z count of small splats that touch an overflowed block */
 #define STP_WORK_REPAIR_L      12
@@ -129,6 +128,7 @@
 #define STP_BLOCK_LOOK         1u /* pyramid: it is on the list of STP_WORK_LOOK; so below */
 #define STP_BLOCK_OPEN         2u
 #define STP_BLOCK_POINTS       4u /* pyramid: some point fell into it */
+#define STP_BLOCK_BARE         8u /* of the tile, and the push passes it over; with RIM_FAR */
 
 struct stp_light_gpu {
     float position[3]; /* camera frame: a point, or the unit direction towards the light */
@@ -192,9 +192,12 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
     STP_ADDRESS(UintRef, rim);       /* pyramid: STP_GROUP words a block, of a thread each: a bit a
                                         pixel that a disc may cover, from STP_BLOCK on one that a disc
-                                        may hide; then the points of STP_WORK_RIM, large ones from the
-                                        end */
-    STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair */
+                                        may hide; then, with RIM_FAR, of each open pixel the depth
+                                        that a disc has to be before by its radius */
+    STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair; pyramid:
+                                        points of STP_WORK_RIM, large ones from the end, then the
+                                        clusters of STP_WORK_FIND, each its first
+                                        point, and 1 more where it may touch a bare block */
     STP_ADDRESS(UintRef, bins);      /* large splats that are not binned; then the entries of the
                                         blocks' lists: record, and the next entry + 1 */
     STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */

@@ -88,7 +88,9 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
             fprintf(out, " for each of %u samples:\n", plan_samples(plan));
         if (plan->chunk_count && i == plan->chunk_first)
             fprintf(out, " for each chunk of points:\n");
-        if (plan->chunk_count && i == plan->chunk_end)
+        if (plan->chunk_count && plan->again_end && i == plan->again_first)
+            fprintf(out, " for each chunk again:\n");
+        if (plan->chunk_count && (i == plan->chunk_end || i == plan->again_end))
             fprintf(out, " then:\n");
         if ((repeats || plan->loop_first) && i == plan->repeat_end)
             fprintf(out, " then:\n");

@@ -115,7 +115,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
 {
     plan->tile_width = width;
     plan->tile_height = height;
-    plan->resource_count = plan->pass_count = plan->loop_first = 0;
+    plan->resource_count = plan->pass_count = plan->loop_first = plan->again_end = 0;
     bool pyramid = plan->method == STP_METHOD_PYRAMID, axis = plan->method == STP_METHOD_AXIS;
     if (pyramid)
         plan_pyramid_resources(plan);
