@@ -1,8 +1,12 @@
 // The compute rasteriser. A pass defines, before it includes this,
 //   void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 // Small splats: a thread each (LISTED: only those that exact_collect found). Splats that are large
-// or cross the near plane go to a list, and each takes a workgroup of the LARGE variant of the same
-// pass. Needs lib/pixel.glsl.
+// or cross the near plane go to a list. With BINS the BINNED variant of the same pass draws them block
+// by block; each of those that are left takes a workgroup of its LARGE variant. Needs lib/pixel.glsl.
+
+#ifdef BINNED
+#include "lib/binned.glsl"
+#else
 
 #ifdef LARGE
 layout(local_size_x = STP_LARGE_GROUP) in;
@@ -51,9 +55,10 @@ void touch_blocks(ivec4 box)
 void main()
 {
     uint index = gl_WorkGroupID.y * STP_ROW + gl_WorkGroupID.x;
-    if (index >= frame.work.v[STP_WORK_LARGE + 3])
+    bool rest = BINS && !REPAIR; // a repair draws all again
+    if (index >= frame.work.v[(rest ? STP_WORK_REST : STP_WORK_LARGE) + 3])
         return;
-    uint id = frame.large.v[index];
+    uint id = rest ? frame.bins.v[index] : frame.large.v[index];
     Splat s;
     splat_load(id, s);
     bool floored;
@@ -118,5 +123,7 @@ void main()
         }
     }
 }
+
+#endif
 
 #endif
