@@ -52,23 +52,31 @@ uint record_load(uint record, out Splat s, out Footprint f)
 
 #else
 
+// As integers: ids and places are no floats that a device may flush.
+layout(buffer_reference, scalar, buffer_reference_align = 16) buffer RecordRef { uvec4 v[]; };
+
+void record_put(uint at, vec4 value)
+{
+    RecordRef(frame.projected).v[at] = floatBitsToUint(value);
+}
+
 void record_store(uint record, uint id, Splat s, Footprint f)
 {
     uint at = record * RECORD;
     Phong e = s.phong;
-    frame.projected.v[at] = vec4(f.p.part, intBitsToFloat(f.p.whole));
-    frame.projected.v[at + 1] = vec4(f.g, f.ab, f.zc);
-    frame.projected.v[at + 2] = vec4(f.q, f.h.x);
-    frame.projected.v[at + 3] = vec4(f.h.y, f.reach, uintBitsToFloat(uvec2(id, s.tag)));
-    frame.projected.v[at + 4] = vec4(s.normal, PHONG != 0 ? e.field.x : 0);
+    RecordRef(frame.projected).v[at] = uvec4(floatBitsToUint(f.p.part), f.p.whole);
+    record_put(at + 1, vec4(f.g, f.ab, f.zc));
+    record_put(at + 2, vec4(f.q, f.h.x));
+    RecordRef(frame.projected).v[at + 3] = uvec4(floatBitsToUint(vec2(f.h.y, f.reach)), id, s.tag);
+    record_put(at + 4, vec4(s.normal, PHONG != 0 ? e.field.x : 0));
     if (PHONG == 0)
         return;
-    frame.projected.v[at + 5] = f.st;
-    frame.projected.v[at + 6] = vec4(e.side * e.u, e.field.y);
-    frame.projected.v[at + 7] = vec4(e.side * e.v, e.field.z);
-    frame.projected.v[at + 8] = vec4(e.clip[0], e.field.w);
+    record_put(at + 5, f.st);
+    record_put(at + 6, vec4(e.side * e.u, e.field.y));
+    record_put(at + 7, vec4(e.side * e.v, e.field.z));
+    record_put(at + 8, vec4(e.clip[0], e.field.w));
     if (PHONG == 2)
-        frame.projected.v[at + 9] = vec4(e.clip[1], e.reflex ? 1 : 0);
+        record_put(at + 9, vec4(e.clip[1], e.reflex ? 1 : 0));
 }
 
 #endif

@@ -24,15 +24,19 @@
 #endif
 
 /* Pixels live in blocks of BLOCK x BLOCK: a splat touches few pages, a workgroup takes a block. */
-#define STP_BLOCK              8
-#define STP_GROUP              64   /* threads of a workgroup */
-#define STP_LARGE_AREA         1024 /* pixels of bounds above which a splat takes a workgroup */
-#define STP_LARGE_GROUP        128
-#define STP_BIN_AREA           512 /* with BINS: above which it is drawn block by block */
-#define STP_BIN_SPLATS         32768u /* large splats, at most, that are drawn block by block */
-#define STP_BIN_ENTRIES        64u    /* of their lists, a block in the mean */
-#define STP_BIN_GROUP          8      /* threads that bin a splat */
-#define STP_BIN_DISC           5      /* vectors of a record: lib/record.glsl */
+#define STP_BLOCK       8
+#define STP_GROUP       64   /* threads of a workgroup */
+#define STP_LARGE_AREA  1024 /* pixels of bounds above which a splat takes a workgroup */
+#define STP_LARGE_GROUP 128
+#define STP_BIN_AREA    512 /* with BINS: above which it is drawn block by block */
+/* Large splats, at most, that are drawn block by block; and entries of their lists, a block in the
+ * mean. A block's list has an entry a splat: fewer than the 65535 turns of a loop that lavapipe
+ * allows; and all that splats may ask for (STP_WORK_ENTRIES), in the 2^16 blocks of a tile, stays
+ * below 2^32. */
+#define STP_BIN_SPLATS         32768u
+#define STP_BIN_ENTRIES        64u
+#define STP_BIN_GROUP          8 /* threads that bin a splat */
+#define STP_BIN_DISC           5 /* vectors of a record: lib/record.glsl */
 #define STP_BIN_ELLIPSE        9
 #define STP_BIN_CLIPPED        10
 #define STP_ROW                32768u /* workgroups along x; more go along y */
@@ -75,8 +79,8 @@
 #define STP_AXIS_WIDTH         4       /* of a block of pixels, which eight threads share */
 #define STP_AXIS_HEIGHT        4
 #define STP_AXIS_ROWS          (STP_AXIS_WIDTH * STP_AXIS_HEIGHT / 8) /* pixels of a thread */
-#define STP_AXIS_REACH         3.0     /* of kernels, in deviations */
-#define STP_AXIS_LEAST_ALPHA   1e-4    /* of a fragment */
+#define STP_AXIS_REACH         3.0  /* of kernels, in deviations */
+#define STP_AXIS_LEAST_ALPHA   1e-4 /* of a fragment */
 #define STP_AXIS_MERGE_BLEND   0
 #define STP_AXIS_MERGE_CLIP    1
 #define STP_ELLIPSOID          5 /* vectors of one: centre, tau; colour; then its axes */
@@ -115,20 +119,21 @@
 #define STP_WORK_OVERFLOW      24 /* not 0: a pixel's slots overflowed */
 #define STP_WORK_REMAINING     25 /* not 0: rays that are being mended have layers left */
 /* Two-pass, which repairs nothing, with BINS: */
-#define STP_WORK_REST          20 /* x y z count of large splats that are not binned */
-#define STP_WORK_BINNED        8  /* x y z: workgroups, and count, of blocks that have lists */
-#define STP_WORK_ENTRIES       24 /* of those lists, handed out */
+#define STP_WORK_REST    20 /* x y z count of large splats that are not binned */
+#define STP_WORK_BINNED  8  /* x y z: workgroups, and count, of blocks that have lists */
+#define STP_WORK_ENTRIES 24 /* of those lists, handed out */
 /* A word a block. Then the list of touched blocks; with BINS the heads of the blocks' lists (the
- * first entry + 1), and the list of the blocks that have one. Pyramid: then two words a block, a bit for each open pixel; then three lists. */
-#define STP_WORK_FLAGS         32
-#define STP_WORK_BLOCK_WORDS   6 /* pyramid: all of these, a block */
-#define STP_WORK_BLOCK_RESET   3 /* those that start as 0 */
-#define STP_BLOCK_TOUCHED      1u
-#define STP_BLOCK_OVERFLOWED   2u
-#define STP_BLOCK_LOOK         1u /* pyramid: it is on the list of STP_WORK_LOOK; so below */
-#define STP_BLOCK_OPEN         2u
-#define STP_BLOCK_POINTS       4u /* pyramid: some point fell into it */
-#define STP_BLOCK_BARE         8u /* of the tile, and the push passes it over; with RIM_FAR */
+ * first entry + 1), and the list of the blocks that have one. Pyramid: then two words a block, a
+ * bit for each open pixel; then three lists. */
+#define STP_WORK_FLAGS       32
+#define STP_WORK_BLOCK_WORDS 6 /* pyramid: all of these, a block */
+#define STP_WORK_BLOCK_RESET 3 /* those that start as 0 */
+#define STP_BLOCK_TOUCHED    1u
+#define STP_BLOCK_OVERFLOWED 2u
+#define STP_BLOCK_LOOK       1u /* pyramid: it is on the list of STP_WORK_LOOK; so below */
+#define STP_BLOCK_OPEN       2u
+#define STP_BLOCK_POINTS     4u /* pyramid: some point fell into it */
+#define STP_BLOCK_BARE       8u /* of the tile, and the push passes it over; with RIM_FAR */
 
 struct stp_light_gpu {
     float position[3]; /* camera frame: a point, or the unit direction towards the light */
@@ -204,7 +209,7 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, key_ids);   /* exact, packed, when ids are needed beside */
     STP_ADDRESS(UintRef, counts);    /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);   /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
-    STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
+    STP_ADDRESS(Uint64Ref, sums);    /* two-pass: lib/sums.glsl says how many a pixel */
     STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour; or
                                         STP_ELLIPSOID_DRAWN, STP_GAUSSIAN; else STP_BIN_DISC, ...:
                                         of large splats, by their place in `large` */
@@ -265,7 +270,8 @@ struct stp_frame_constants {
     float pyramid_floor;             /* least radius on the screen, pixels */
     float pyramid_color;             /* colours are packed times this */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
-    STP_STRUCT(stp_material_gpu) material; /* of the first object; the only one without HAS_OBJECTS */
+    STP_STRUCT(stp_material_gpu)
+    material; /* of the first object; the only one without HAS_OBJECTS */
     STP_STRUCT(stp_axis_gpu) axis;
     float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
     STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];
