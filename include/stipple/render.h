@@ -49,7 +49,6 @@ struct stp_render_stats {
     double frame_ms_min, frame_ms_median, frame_ms_max; /* warm, record to fence, all tiles */
     unsigned pass_count;
     struct stp_pass_time pass[STP_MAX_PASSES];
-    uint64_t splats_drawn; /* splats with a fragment in the picture; 0: not counted */
     uint64_t bytes_scene, bytes_transient, bytes_peak;
 };
 

@@ -80,6 +80,8 @@ struct stp_plan {
     uint32_t cover_first[STP_MAX_GROUPS + 1]; /* fast, nearest: members of a group there */
 };
 
+/* plan/plan.c: params, or the defaults where NULL. */
+const struct stp_render_params *plan_params(const struct stp_render_params *params);
 /* plan/plan.c: can these be planned with at all? Logs why not. */
 enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *scene,
                            const struct stp_camera *camera, const struct stp_render_params *params);

@@ -40,6 +40,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_context
     enum stp_result result = resident_check_method(env, plan);
     if (result != STP_OK)
         return result;
+    if (!params)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "a frame needs params: the formats of its targets");
     if (pass_host_most(params->color_format) == 0)
         return log_error(env, STP_ERROR_ARGUMENT, "VkFormat %d is no color format of a target",
                          params->color_format);

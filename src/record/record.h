@@ -204,8 +204,8 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
                  uint32_t part, bool timed, uint32_t skip_barrier);
 
 /* picture.c: outputs of one tile into the picture. */
-enum stp_result record_picture(const struct stp_env *env, const struct stp_scene *scene,
-                               const struct stp_plan *plan, struct stp_image **image);
+enum stp_result record_picture(const struct stp_env *env, const struct stp_plan *plan,
+                               struct stp_image **image);
 enum stp_result record_read_back(const struct stp_env *env, struct record_frame *frame,
                                  const struct stp_scene *scene, const struct plan_tile *tile,
                                  struct stp_image *image);
@@ -228,7 +228,7 @@ bool record_deep_next(struct record_deep *deep);
 enum stp_result record_deep_finish(const struct stp_env *env, const struct record_deep *deep,
                                    struct stp_image *image);
 
-/* render.c: all tiles once, from record to fence; *ms leaves reading back apart. image NULL:
+/* run.c: all tiles once, from record to fence; *ms leaves reading back apart. image NULL:
  * nothing is read. The scene must have been uploaded. */
 enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
                            const struct stp_scene *scene, struct stp_image *image, double *ms,

@@ -85,7 +85,7 @@ static enum stp_result render_on_device(const struct stp_env *env, struct stp_co
     context->env = env;
     enum stp_result result = STP_OK;
     if (plan_is_root(plan))
-        result = record_picture(env, scene, plan, &made);
+        result = record_picture(env, plan, &made);
     double start = clock_ms();
     if (result == STP_OK)
         result = record_frame_create(env, context, plan, &frame);

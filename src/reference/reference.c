@@ -8,9 +8,6 @@
 #include "reference/tile.h"
 #include "reference/volume.h"
 
-#define DEFAULT_MIN_SPLAT 1.5 /* of stp_render_params */
-#define MAX_SAMPLES       65536
-
 struct job {
     const struct stp_env *env;
     const struct view *view;
@@ -60,9 +57,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
                          "the scene must be prepared before it is rendered");
     if (scene->splats.count == 0 && !scene->volume)
         return log_error(env, STP_ERROR_NO_POINTS, "the scene has no splats to render");
-    if (params->samples > MAX_SAMPLES)
+    if (params->samples > STP_MAX_SAMPLES)
         return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", params->samples,
-                         MAX_SAMPLES);
+                         STP_MAX_SAMPLES);
     if (!(params->epsilon >= 0) || isnan(params->min_splat))
         return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g or min-splat %g is out of range",
                          params->epsilon, params->min_splat);
@@ -97,7 +94,7 @@ struct view reference_view(const struct stp_scene *scene, const struct stp_camer
                          .deep = params->deep && scene->facts.transparent,
                          .epsilon = params->epsilon,
                          .grid = sample_grid(params->samples) };
-    view.min_splat = params->min_splat == 0 ? DEFAULT_MIN_SPLAT : fmax(0, params->min_splat);
+    view.min_splat = params->min_splat == 0 ? STP_DEFAULT_MIN_SPLAT : fmax(0, params->min_splat);
     eye_init(&view.eye, camera, scene->splats.origin);
     return view;
 }

@@ -208,15 +208,15 @@ static bool light_is_usable(const struct stp_light *light)
     return all_finite(light->color, 3) && (light->at_eye || (finite && somewhere));
 }
 
-enum stp_result stp_scene_set_lights(struct stp_scene *scene, const struct stp_light *lights,
-                                     unsigned count)
+enum stp_result stp_scene_set_lights(const struct stp_env *env, struct stp_scene *scene,
+                                     const struct stp_light *lights, unsigned count)
 {
     if (count > STP_MAX_LIGHTS || (count > 0 && !lights))
-        return log_error(NULL, STP_ERROR_ARGUMENT, "%u lights: a scene takes %u at most", count,
+        return log_error(env, STP_ERROR_ARGUMENT, "%u lights: a scene takes %u at most", count,
                          STP_MAX_LIGHTS);
     for (unsigned i = 0; i < count; i++)
         if (!light_is_usable(&lights[i]))
-            return log_error(NULL, STP_ERROR_ARGUMENT,
+            return log_error(env, STP_ERROR_ARGUMENT,
                              "light %u: not finite, or its direction is zero", i);
     scene->lights[0] = head_light;
     for (unsigned i = 0; i < count; i++)

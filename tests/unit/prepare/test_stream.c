@@ -211,8 +211,8 @@ static void expect_same(size_t count, unsigned what, const double *box, size_t c
         expect_facts(stream, whole);
         expect_chunks(stream, &whole->splats, threads, true);
         struct stp_camera a, b;
-        assert_int_equal(stp_camera_frame(stream, NULL, &a), STP_OK);
-        assert_int_equal(stp_camera_frame(whole, NULL, &b), STP_OK);
+        assert_int_equal(stp_camera_frame(NULL, stream, NULL, &a), STP_OK);
+        assert_int_equal(stp_camera_frame(NULL, whole, NULL, &b), STP_OK);
         assert_memory_equal(a.world_to_camera, b.world_to_camera, sizeof a.world_to_camera);
         assert_true(a.near_depth == b.near_depth);
         stp_scene_destroy(&stream);
@@ -359,7 +359,7 @@ static enum stp_result run(const struct file *file, const struct stp_env *env)
     if (result == STP_OK)
         result = stp_scene_prepare(env, scene, NULL);
     if (result == STP_OK)
-        result = stp_camera_frame(scene, NULL, &camera);
+        result = stp_camera_frame(NULL, scene, NULL, &camera);
     if (result == STP_OK)
         assert_non_null(scene->stream);
     if (result == STP_OK)
