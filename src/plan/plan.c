@@ -96,6 +96,7 @@ static struct stp_plan *start(const struct stp_scene *scene, const struct stp_ca
     made->params = *params;
     made->camera = *camera;
     made->facts = scene->facts;
+    made->version = scene->version;
     made->share = (struct plan_share){ scene->share.rank, scene->share.count, scene->splats.count };
     if (scene->stream) {
         made->stream_count = scene->stream->chunk_count;

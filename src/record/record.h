@@ -190,7 +190,7 @@ uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sam
  * full barrier and a timestamp after every step. skip_barrier: leaves out the barrier before that
  * pass (tests prove with it that validation sees). */
 #define RECORD_NO_PASS UINT32_MAX
-/* Every stage that a frame, ours or a host's, may use on its queue. */
+/* Every stage that our passes use. */
 #define RECORD_STAGES                                                                              \
     (VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |               \
      VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |      \

@@ -119,12 +119,15 @@ enum stp_result stp_render(const struct stp_env *env, struct stp_context *contex
     if (plan->share.count)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the plan is for one of several processes: stp_render_share");
+    enum stp_result result = plan_check_scene(env, plan, scene);
+    if (result != STP_OK)
+        return result;
     if (plan->method != STP_METHOD_REFERENCE)
         return context ? render_on_device(env, context, scene, plan, NULL, repeat, image, stats)
                        : log_error(env, STP_ERROR_ARGUMENT, "method %s needs a context",
                                    stp_method_name(plan->method));
     double start = clock_ms();
-    enum stp_result result = reference_render(env, scene, &plan->camera, &plan->params, image);
+    result = reference_render(env, scene, &plan->camera, &plan->params, image);
     stats->first_frame_ms = clock_ms() - start;
     return result;
 }
@@ -171,7 +174,7 @@ static enum stp_result check_share(const struct stp_env *env, const struct stp_c
                          "process %u of %u has the scene of %u of %u, and a plan for %u of %u",
                          m->rank, m->count, scene->share.rank, scene->share.count, plan->share.rank,
                          plan->share.count);
-    return STP_OK;
+    return plan_check_scene(env, plan, scene);
 }
 
 enum stp_result stp_render_share(const struct stp_env *env, struct stp_context *context,
