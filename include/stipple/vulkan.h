@@ -171,7 +171,8 @@ struct stp_host_image {
     uint32_t level, layer;
 };
 /* Recording waits for, and makes visible, everything earlier on the queue: full memory barriers
- * stand at both ends, so the host need not add its own. */
+ * stand at both ends, so the host need not add its own; but for stages that only extensions have,
+ * as ray tracing. */
 struct stp_targets {
     struct stp_host_image color;
     struct stp_host_image depth;  /* view VK_NULL_HANDLE: as if there were none */

@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "scene/camera.h"
 
 struct stp_frame {
     struct stp_context *context;
@@ -171,10 +172,9 @@ static enum stp_result check_record(const struct stp_env *env, const struct stp_
                          camera->width, camera->height, frame->width, frame->height);
     if (camera->orthographic != (plan->constant[PLAN_ORTHOGRAPHIC] != 0))
         return log_error(env, STP_ERROR_ARGUMENT, "the frame's plan is for the other projection");
-    if (!(camera->fx > 0) || !(camera->fy > 0) || !(camera->near_depth < camera->far_depth) ||
-        (!camera->orthographic && !(camera->near_depth > 0)))
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "the camera needs positive focal lengths and 0 < near < far");
+    result = camera_check(env, camera);
+    if (result != STP_OK)
+        return result;
     if (!targets->color.view || !targets->color.image)
         return log_error(env, STP_ERROR_ARGUMENT, "there is no color target");
     if (frame->host.depth_format == VK_FORMAT_UNDEFINED)
@@ -217,9 +217,9 @@ static VkImageMemoryBarrier2 change(const struct stp_host_image *image, VkImageA
 {
     return (
         VkImageMemoryBarrier2){ .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-                                .srcStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                .srcStageMask = RECORD_HOST_STAGES,
                                 .srcAccessMask = access_in(from),
-                                .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+                                .dstStageMask = RECORD_HOST_STAGES,
                                 .dstAccessMask = access_in(to),
                                 .oldLayout = from,
                                 .newLayout = to,
@@ -245,7 +245,7 @@ static void barriers(const struct stp_frame *frame, const struct stp_targets *ta
         images[1] = change(&targets->depth, aspects, enter ? targets->depth.before : depth,
                            enter ? depth : targets->depth.after);
     VkMemoryBarrier2 memory = record_everything();
-    memory.srcStageMask = memory.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+    memory.srcStageMask = memory.dstStageMask = RECORD_HOST_STAGES;
     VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                               .memoryBarrierCount = 1,
                               .pMemoryBarriers = &memory,

@@ -137,7 +137,7 @@ static void make_visible(struct stp_resident *resident, VkCommandBuffer commands
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
         .srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
         .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_HOST_WRITE_BIT,
-        .dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
+        .dstStageMask = RECORD_HOST_STAGES,
         .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT
     };
     VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
@@ -152,17 +152,17 @@ static void hand_over(struct stp_resident *resident, VkCommandBuffer commands, u
 {
     VkBufferMemoryBarrier2 barriers[GPU_MOST_PENDING];
     for (uint32_t i = 0; i < resident->copies; i++)
-        barriers[i] = (VkBufferMemoryBarrier2){
-            .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
-            .srcStageMask = release ? VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT : 0,
-            .srcAccessMask = release ? VK_ACCESS_2_TRANSFER_WRITE_BIT : 0,
-            .dstStageMask = release ? 0 : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
-            .dstAccessMask = release ? 0 : VK_ACCESS_2_MEMORY_READ_BIT,
-            .srcQueueFamilyIndex = from,
-            .dstQueueFamilyIndex = resident->context->family,
-            .buffer = resident->pending[i].target,
-            .size = VK_WHOLE_SIZE
-        };
+        barriers[i] =
+            (VkBufferMemoryBarrier2){ .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
+                                      .srcStageMask =
+                                          release ? VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT : 0,
+                                      .srcAccessMask = release ? VK_ACCESS_2_TRANSFER_WRITE_BIT : 0,
+                                      .dstStageMask = release ? 0 : RECORD_HOST_STAGES,
+                                      .dstAccessMask = release ? 0 : VK_ACCESS_2_MEMORY_READ_BIT,
+                                      .srcQueueFamilyIndex = from,
+                                      .dstQueueFamilyIndex = resident->context->family,
+                                      .buffer = resident->pending[i].target,
+                                      .size = VK_WHOLE_SIZE };
     VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                               .bufferMemoryBarrierCount = resident->copies,
                               .pBufferMemoryBarriers = barriers };
@@ -180,8 +180,8 @@ enum stp_result stp_resident_record_upload(const struct stp_env *env, struct stp
                          "there is nothing left to upload: the staging memory was released before");
     for (uint32_t i = 0; i < resident->copies; i++) {
         const struct gpu_pending *p = &resident->pending[i];
-        VkBufferCopy copy = { .size = p->bytes };
-        resident->context->vk.vkCmdCopyBuffer(commands, p->staging.handle, p->target, 1, &copy);
+        resident->context->vk.vkCmdCopyBuffer(commands, p->staging.handle, p->target, 1,
+                                              &p->region);
     }
     if (from == resident->context->family)
         make_visible(resident, commands);

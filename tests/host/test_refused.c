@@ -100,13 +100,14 @@ static void test_volumes(void **state)
     stage_close(&s);
 }
 
-static struct stp_scene *ball_of(struct engine *e, const struct stp_material *material)
+static struct stp_scene *ball_of(struct engine *e, const struct stp_material *material,
+                                 const struct stp_optics *optics)
 {
     static const double position[4][3] = {
         { 1, 1, 1 }, { 1, -1, -1 }, { -1, 1, -1 }, { -1, -1, 1 }
     };
     const struct stp_points points = { .count = 4, .position = position };
-    const struct stp_object_params object = { .material = material };
+    const struct stp_object_params object = { .material = material, .optics = optics };
     struct stp_scene *scene = NULL;
     assert_int_equal(stp_scene_create(&e->env, &scene), STP_OK);
     assert_int_equal(stp_scene_add_points(&e->env, scene, &points, &object), STP_OK);
@@ -139,7 +140,7 @@ static void test_materials(void **state)
     struct stp_render_params params = { .method = STP_METHOD_EXACT };
     struct stage s;
     stage_open(&s, formats.color_format, formats.depth_format, NULL);
-    struct stp_scene *scene = ball_of(&s.engine, &own);
+    struct stp_scene *scene = ball_of(&s.engine, &own, NULL);
     struct stp_plan *plan = stage_plan(&s.engine, s.context, scene, &s.camera, &params);
     struct stp_resident *resident =
         stage_resident(&s.engine, s.context, scene, plan, &(struct stp_resident_params){ 0 });
@@ -149,7 +150,7 @@ static void test_materials(void **state)
         float *field[] = { &other.ambient,   &other.diffuse,   &other.specular, &other.shininess,
                            &other.albedo[0], &other.albedo[1], &other.albedo[2] };
         *field[i] *= 2;
-        struct stp_scene *changed = ball_of(&s.engine, &other);
+        struct stp_scene *changed = ball_of(&s.engine, &other, NULL);
         assert_int_equal(record_with(&s, changed, resident, &params), STP_ERROR_ARGUMENT);
         assert_non_null(strstr(s.engine.last, "another material or epsilon"));
         stp_scene_destroy(&changed);
@@ -179,25 +180,28 @@ static void test_missing_buffers(void **state)
     const struct stp_render_params raster = { .method = STP_METHOD_DEFERRED,
                                               .path = STP_PATH_RASTER };
     const struct stp_render_params sky = { .method = STP_METHOD_EXACT, .environment_behind = true };
+    const struct stp_optics dull = { .ior = { 1, 1, 1 } }; /* it mirrors no environment */
     const float texel[2][3] = { { 1, 2, 3 }, { 2, 1, 0 } };
     struct stage s;
     stage_open(&s, formats.color_format, formats.depth_format, NULL);
     const struct stp_env *env = &s.engine.env;
-    assert_int_equal(stp_scene_set_environment(env, s.scene, 2, 1, texel, NULL), STP_OK);
-    assert_int_equal(stp_scene_group(env, s.scene, NULL), STP_OK);
-    struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &exact);
-    struct stp_resident *resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
-    assert_int_equal(record_with(&s, s.scene, resident, &exact), STP_OK);
-    expect_not_recorded(&s, s.scene, resident, &raster, "the frame reads the buffer \"");
-    expect_not_recorded(&s, s.scene, resident, &sky, "the frame reads the buffer \"");
+    struct stp_scene *scene = ball_of(&s.engine, NULL, &dull);
+    assert_int_equal(stp_scene_set_environment(env, scene, 2, 1, texel, NULL), STP_OK);
+    assert_int_equal(stp_scene_group(env, scene, NULL), STP_OK);
+    struct stp_plan *plan = stage_plan(&s.engine, s.context, scene, &s.camera, &exact);
+    struct stp_resident *resident = stage_resident(&s.engine, s.context, scene, plan, NULL);
+    assert_int_equal(record_with(&s, scene, resident, &exact), STP_OK);
+    expect_not_recorded(&s, scene, resident, &raster, "the frame reads the buffer \"");
+    expect_not_recorded(&s, scene, resident, &sky, "the frame reads the buffer \"");
     stp_resident_destroy(&resident);
     stp_plan_destroy(&plan);
-    plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &raster);
-    resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
-    assert_int_equal(record_with(&s, s.scene, resident, &raster), STP_OK);
-    assert_int_equal(record_with(&s, s.scene, resident, &exact), STP_OK); /* it has all of these */
+    plan = stage_plan(&s.engine, s.context, scene, &s.camera, &raster);
+    resident = stage_resident(&s.engine, s.context, scene, plan, NULL);
+    assert_int_equal(record_with(&s, scene, resident, &raster), STP_OK);
+    assert_int_equal(record_with(&s, scene, resident, &exact), STP_OK); /* it has all of these */
     stp_resident_destroy(&resident);
     stp_plan_destroy(&plan);
+    stp_scene_destroy(&scene);
     stage_close(&s);
 }
 
