@@ -7,7 +7,7 @@
   tools/bench_auto.py bounds FILE...    what --max-error takes, the error that it says at most, and that of
                                         the picture that it gives: no times, so that any machine will do;
                                         of folders every file that holds points
-  tools/bench_auto.py features FILE     resources, passes, constants, bytes and milliseconds of each
+  tools/bench_auto.py features FILE     resources, passes, constants, bytes and least milliseconds of each
                                         feature off and on (docs/results/features.md); --rounds 0:
                                         all but the milliseconds
   tools/bench_auto.py prices FILE...    prices in nanoseconds of every kind of plan, fitted to the
@@ -27,7 +27,6 @@ import csv
 import json
 import os
 import re
-import statistics
 import subprocess
 import sys
 import tempfile
@@ -171,7 +170,7 @@ def bounds(models, more):
 
 # --- features --------------------------------------------------------------------------------------
 
-PLAIN = ["--two-sided", "off", "--min-splat", "0", "--size", "1024x1024", "-q"]
+PLAIN = ["--two-sided", "off", "--min-splat", "0", "--size", "512x512", "-q"]
 FEATURES = [
     ("two-sided", ["--two-sided", "on"]),
     ("screen-space floor", ["--min-splat", "1.5"]), ("culling", ["--cull", "back"]),
@@ -184,17 +183,18 @@ FEATURES = [
 ]
 
 
-def plan(model, options, folder):
-    """Constants, resources with their bytes, passes: of the plan's text."""
+def drawn(model, options, folder, frames):
+    """Constants, resources with their bytes, passes: of the plan's text; the least milliseconds."""
     path = os.path.join(folder, "s.json")
-    stipple("render", model, *options, "--stats", path)
+    stipple("render", model, *options, "--repeat", str(frames), "--stats", path)
     with open(path, encoding="utf-8") as file:
-        text = json.load(file)["plan"]
+        stats = json.load(file)
+    text = stats["plan"]
     constants = dict(re.findall(r" (\w+)=(\d+)", re.search(r"^constants:.*$", text, re.M).group(0)))
     resources = {(m[1] + " " + m[2]): int(m[3]) for m in
                  re.finditer(r"^  (\S.*?) +(scene|transient|output) .* (\d+) bytes$", text, re.M)}
     passes = re.findall(r"^  (?:fill|reset|dispatch\*?|draw) +(.+?)(?: reads |; writes |$)", text, re.M)
-    return constants, resources, [name.strip() for name in passes]
+    return constants, resources, [name.strip() for name in passes], stats["frame_ms"]["min"]
 
 
 def difference(off, on):
@@ -207,32 +207,26 @@ def difference(off, on):
                                               ["+" + n + " (pass)" for n in passes]) or "-"
 
 
-def frame(model, options, folder):
-    path = os.path.join(folder, "s.json")
-    stipple("render", model, *options, "--repeat", "9", "--stats", path)
-    with open(path, encoding="utf-8") as file:
-        return json.load(file)["frame_ms"]["median"]
-
-
 def features(model, method, rounds):
+    """Frames of one process are alike, those of two differ by up to 1.5 with the memory that they
+    got: so all ways have their turn in every round, and the least of all rounds counts."""
+    base = [*PLAIN, "--method", method]
+    ways = [base] + [base + more for _, more in FEATURES]
     with tempfile.TemporaryDirectory() as folder:
-        base = [*PLAIN, "--method", method]
-        off = plan(model, base, folder)
-        print(f"Method {method}, nothing on: {len(off[1])} resources of {sum(off[1].values())} bytes, "
-              f"{len(off[2])} passes.\n\n"
-              "| feature | constants | resources and passes | bytes more | ms off | ms on | ratio |\n"
-              "|---|---|---|---:|---:|---:|---:|")
-        for name, more in FEATURES:
-            on, ms = plan(model, base + more, folder), "- | - | -"
-            times = [(frame(model, base, folder), frame(model, base + more, folder))
-                     for _ in range(rounds)]
-            if times:
-                ratio = statistics.median(b / a for a, b in times)
-                ms = (f"{statistics.median(a for a, _ in times):.1f} | "
-                      f"{statistics.median(b for _, b in times):.1f} | {ratio:.2f}")
-            constants, what = difference(off, on)
-            print(f"| {name} | {constants} | {what} | "
-                  f"{sum(on[1].values()) - sum(off[1].values())} | {ms} |", flush=True)
+        turns = [[drawn(model, way, folder, 5 if rounds else 1) for way in ways]
+                 for _ in range(max(rounds, 1))]
+    off, least = turns[0][0], [min(turn[k][3] for turn in turns) for k in range(len(ways))]
+    without = sorted(turn[0][3] for turn in turns)
+    times = f", {' and '.join(f'{ms:.1f}' for ms in without)} ms" if rounds else ""
+    print(f"Method {method}, nothing on: {len(off[1])} resources of {sum(off[1].values())} bytes, "
+          f"{len(off[2])} passes{times}.\n\n"
+          "| feature | constants | resources and passes | bytes more | ms | of the time without |\n"
+          "|---|---|---|---:|---:|---:|")
+    for k, (name, _) in enumerate(FEATURES, 1):
+        on = turns[0][k]
+        constants, what = difference(off, on)
+        ms = f"{least[k]:.1f} | {least[k] / least[0]:.2f}" if rounds else "- | -"
+        print(f"| {name} | {constants} | {what} | {sum(on[1].values()) - sum(off[1].values())} | {ms} |")
 
 
 # --- prices ----------------------------------------------------------------------------------------

@@ -11,7 +11,9 @@
 
 tables: splats drawn, the median of warm frames (interleaved over rounds), and the PSNR over covered
 pixels against the exact order of the float64 reference; 512 x 512, as in the paper. speed: the same
-frames, and what of them is the CPU's: the lists that a changed camera takes. volumes: errors and times
+frames, and what of them is the CPU's: the lists that a changed camera takes; ratios are of frames of
+one round, their median and spread over the rounds (as many as --rounds, in at most five minutes for
+all files). volumes: errors and times
 of every merge, a row a file, 256 x 256, and a PNG of each. popping: the
 largest RMSE between neighbouring frames of a path from --view to --to, 256 x 256, of every merge and
 of the exact order itself. cold: wall clock of the whole command, the least of --rounds. corners: how far
@@ -160,40 +162,62 @@ SPEED = [("compute", merge) for merge in MERGES] + [
     ("raster", merge) for merge in ("blend", "single")]
 
 
-def one_speed(file, view, rounds, folder):
+def one_frame(file, view, path, merge, folder):
+    """The median of warm frames, and the CPU's part of it."""
     out, stats = os.path.join(folder, "out.exr"), os.path.join(folder, "stats.json")
-    rows = {way: ([], []) for way in SPEED}
-    for _ in range(rounds):
-        for path, merge in SPEED:
-            render(file, view, 512, out,
-                   ["--method", "axis", "--path", path, "--axis-merge", merge], stats, 3)
-            with open(stats, encoding="utf-8") as told:
-                figures = json.load(told)
-            frames, lists = rows[path, merge]
-            frames.append(figures["frame_ms"]["median"])
-            lists += [one["ms"] for one in figures["passes"] if one["name"].startswith("lists")]
-    return {way: [statistics.median(part) if part else 0 for part in row]
-            for way, row in rows.items()}
+    render(file, view, 512, out,
+           ["--method", "axis", "--path", path, "--axis-merge", merge], stats,
+           5 if path == "compute" else 2)
+    with open(stats, encoding="utf-8") as told:
+        figures = json.load(told)
+    lists = [one["ms"] for one in figures["passes"] if one["name"].startswith("lists")]
+    return figures["frame_ms"]["median"], lists[0] if lists else 0
+
+
+def one_speed(file, view, rounds, folder, budget):
+    """Of each way a pair a round. Rounds are whole, every second the other way round, and end after
+    `budget` seconds; the first is thrown away where there are more than two, since it also warms up."""
+    rows, end = {way: [] for way in SPEED}, time.monotonic() + budget
+    for turn in range(rounds):
+        began = time.monotonic()
+        for way in SPEED[::-1] if turn % 2 else SPEED:
+            rows[way].append(one_frame(file, view, *way, folder))
+        now = time.monotonic()
+        if now + (now - began) > end:
+            break
+    return {way: row[1:] if len(row) > 2 else row for way, row in rows.items()}
+
+
+COMPARED = [("blend against single, compute", ("compute", "blend"), ("compute", "single")),
+            ("blend against single, raster", ("raster", "blend"), ("raster", "single")),
+            ("clip against sort, compute", ("compute", "clip"), ("compute", "sort")),
+            ("blend against sort, compute", ("compute", "blend"), ("compute", "sort")),
+            ("blend, compute against raster", ("compute", "blend"), ("raster", "blend")),
+            ("single, compute against raster", ("compute", "single"), ("raster", "single"))]
+
+
+def print_ratios(rows):
+    """Both of a ratio are of one round, so that what slows a round slows both."""
+    print("\n| what | median of the rounds' ratios | least | greatest |")
+    print("| --- | ---: | ---: | ---: |")
+    for what, one, other in COMPARED:
+        ratios = [a[0] / b[0] for a, b in zip(rows[one], rows[other])]
+        print(f"| {what} | {statistics.median(ratios):.2f} | {min(ratios):.2f} | {max(ratios):.2f} |")
 
 
 def speed(files, view, rounds):
     for file in files:
         with tempfile.TemporaryDirectory() as folder:
-            rows = one_speed(file, view, rounds, folder)
-        frame = {way: row[0] for way, row in rows.items()}
-        print(f"\n**{os.path.basename(file)}**, view {view}\n")
-        print("| path | lists | frame, ms | of it lists on the CPU | of single |")
-        print("| --- | --- | ---: | ---: | ---: |")
+            rows = one_speed(file, view, rounds, folder, 280 / len(files))
+        print(f"\n**{os.path.basename(file)}**, view {view}, {len(rows[SPEED[0]])} rounds\n")
+        print("| path | lists | frame, ms | least | greatest | of it lists on the CPU |")
+        print("| --- | --- | ---: | ---: | ---: | ---: |")
         for path, merge in SPEED:
-            ms, lists = rows[path, merge]
-            print(f"| {path} | {merge} | {ms:.0f} | {lists:.0f} | {ms / frame[path, 'single']:.2f} |")
-        print()
-        for what, one, other in (
-                ("blend, compute against raster", ("compute", "blend"), ("raster", "blend")),
-                ("single, compute against raster", ("compute", "single"), ("raster", "single")),
-                ("clip against sort, compute", ("compute", "clip"), ("compute", "sort")),
-                ("blend against sort, compute", ("compute", "blend"), ("compute", "sort"))):
-            print(f"{what}: {frame[one] / frame[other]:.2f}")
+            frames = [frame for frame, _ in rows[path, merge]]
+            lists = statistics.median(ms for _, ms in rows[path, merge])
+            print(f"| {path} | {merge} | {statistics.median(frames):.0f} | {min(frames):.0f} | "
+                  f"{max(frames):.0f} | {lists:.0f} |")
+        print_ratios(rows)
 
 
 def cold(files, rounds):
@@ -311,9 +335,10 @@ def main():
     parser.add_argument("--view", default="45,35.264")
     parser.add_argument("--to", default="45,35.264")
     parser.add_argument("--frames", type=int, default=21)
-    parser.add_argument("--rounds", type=int, default=2)
+    parser.add_argument("--rounds", type=int)
     parser.add_argument("--pictures", metavar="DIR")
     given = parser.parse_args()
+    given.rounds = given.rounds or (20 if given.what == "speed" else 2)
     if given.what == "tables":
         tables(given.files, given.view, given.rounds)
     elif given.what == "speed":

@@ -15,14 +15,17 @@ curve: the error by the number of splats, of: Phong (linear fields fitted togeth
 once: our default), the same with every field fitted alone (the paper's Eq. 3 and 4 as they stand),
 averaged (constant normals fitted together, averaged, shaded once: the default of discs), the same
 shaded, then blended, blended (constant normals, each alone, shaded, then blended: what the paper
-compares with), flat (the nearest splat's normal, nothing blended). Then how many constant splats reach the error of each number of Phong splats. exponent: the error
-falls as the count to this power, between the least and the most splats. limit: what round
-splats of so many points can do at best, whatever made them and blended with nothing: the angle,
-root mean square, between the normals of a point's nearest neighbours and the linear field, and the
-constant normal, that is nearest to them; and how many constant splats have the angle of a linear
-one. frames: milliseconds
-of a warm frame of Phong splats, and of as many blended ones as have the same error. fit: points a
-second. Times are the medians of the rounds. Edges: tools/bench_phong_edges.py.
+compares with), flat (the nearest splat's normal, nothing blended). The last row is of the points
+themselves, unfitted: the truth is their averaged picture, so that theirs is the error of the shading
+alone. Then how many constant splats reach the error of each number of Phong splats; "above" all
+points: not even those do. exponent: the error falls as the count to this power, between the least and
+the most splats.
+limit: what round splats of so many points can do at best, whatever made them and blended with
+nothing: the angle, root mean square, between the normals of a point's nearest neighbours and the
+linear field, and the constant normal, that is nearest to them; and how many constant splats have the
+angle of a linear one. frames: milliseconds of a warm frame of Phong splats, and of as many blended
+ones as have the same error. fit: points a second. Times are the medians of the rounds. Edges:
+tools/bench_phong_edges.py.
 """
 import argparse
 import json
@@ -150,7 +153,8 @@ WAYS = [
 
 
 def measure(file, arguments, folder):
-    """Rows of way -> (splats, error), a count. Each picture has the epsilon of its fit."""
+    """Rows of way -> (splats, error), a count; and that of the points. Each picture has the epsilon
+    of its fit."""
     out = os.path.join(folder, "out.exr")
     truth, camera = render_truth(file, arguments, folder)
     rows = []
@@ -161,7 +165,18 @@ def measure(file, arguments, folder):
             render(clouds[options], arguments, out, camera, more)
             row[name] = (splats, error(out, truth))
         rows.append(row)
-    return rows
+    return rows, measure_points(file, arguments, folder)
+
+
+def measure_points(file, arguments, folder):
+    """way -> (points, error), of the ways that are not the truth's."""
+    out, truth, camera = (os.path.join(folder, n) for n in ("out.exr", "truth.exr", "camera.json"))
+    points = json.loads(run("info", "--json", file).stdout)[0]["splats"]
+    row = {}
+    for name, _, more in (BLENDED, WAYS[-1]):
+        render(file, arguments, out, camera, more)
+        row[name] = (points, error(out, truth))
+    return row
 
 
 def reaching(rows, name, wanted):
@@ -180,33 +195,37 @@ def exponent(rows, name):
     return math.log(b / a) / math.log(many / few) if many > few else math.nan
 
 
-def equal_cell(rows, name, splats, wanted):
+def equal_cell(rows, points, name, splats, wanted):
     count = reaching(rows, name, wanted)
     if count:
         return f"{count:.0f} ({count / splats:.1f} x)"
     most, least = rows[-1][name], rows[0][name]
+    if name in points and points[name][1] > wanted:
+        most = points[name]
     return f"above {most[0]} (> {most[0] / splats:.1f} x)" if most[1] > wanted else f"below {least[0]}"
 
 
-def print_curve(file, rows):
-    names = list(rows[0])
+def print_curve(file, fitted, points):
+    names = list(fitted[0])
     print(f"\n{os.path.basename(file)}, error\n\n| splats | {' | '.join(names)} |")
     print("|---" * (len(names) + 1) + "|")
-    for row in rows:
+    for row in fitted:
         print(f"| {row['Phong'][0]} | {' | '.join(f'{row[n][1]:.5f}' for n in names)} |")
-    print(f"| exponent | {' | '.join(f'{exponent(rows, n):.2f}' for n in names)} |")
+    cells = [f"{points[n][1]:.5f}" if n in points else "" for n in names]
+    print(f"| the {points['flat'][0]} points | {' | '.join(cells)} |")
+    print(f"| exponent | {' | '.join(f'{exponent(fitted, n):.2f}' for n in names)} |")
     print(f"\n{os.path.basename(file)}, splats for equal error\n\n| {' | '.join(names)} |")
     print("|---" * len(names) + "|", flush=True)
-    for row in rows:
+    for row in fitted:
         splats, wanted = row["Phong"]
-        cells = [equal_cell(rows, name, splats, wanted) for name in names[1:]]
+        cells = [equal_cell(fitted, points, name, splats, wanted) for name in names[1:]]
         print(f"| {splats} | {' | '.join(cells)} |", flush=True)
 
 
 def curve(arguments):
     with tempfile.TemporaryDirectory() as folder:
         for model in arguments.model:
-            print_curve(model, measure(model_file(model, folder), arguments, folder))
+            print_curve(model, *measure(model_file(model, folder), arguments, folder))
 
 
 def limits(arguments):

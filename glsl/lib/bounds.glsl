@@ -71,7 +71,7 @@ bool bounds_small(Splat s, bool floored, ivec4 box)
 {
     // In float: the product may exceed an int only where it is large anyway.
     float area = float(box.z - box.x + 1) * float(box.w - box.y + 1);
-    return !splat_clipped(s, floored) && area <= float(STP_LARGE_AREA);
+    return !splat_clipped(s, floored) && area <= float(BINS ? STP_BIN_AREA : STP_LARGE_AREA);
 }
 
 bool splat_small(Splat s, out bool floored, out ivec4 box)

@@ -83,6 +83,7 @@ const bool DISCS = AXIS_SHAPE == 2;                      // a surface's splats
 layout(constant_id = 37) const bool CULL_CLUSTERS = false; // pyramid: points, STP_CLUSTER at once
 layout(constant_id = 38) const bool RIM_FAR = false;       // discs reach beyond the pixels beside their own
 layout(constant_id = 39) const bool CUTS = true;           // near or far may cut a splat
+layout(constant_id = 40) const bool BINS = false;          // large splats are drawn block by block
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

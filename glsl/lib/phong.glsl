@@ -88,16 +88,17 @@ void phong_columns(Phong e, vec2 direction, float scale, out vec2 first, out vec
 vec4 phong_floored(vec2 first, vec2 second, vec2 major, float values_major, float values_minor,
                    float turn, float det)
 {
-    vec2 image = turn * normalize(first * major.x + second * major.y);
+    PRECISE vec2 image = turn * normalize(first * major.x + second * major.y);
     vec2 beside = sign(det) * vec2(-image.y, image.x);
-    vec2 column = values_major * major.x * image - values_minor * major.y * beside;
-    float area = sign(det) * values_major * values_minor;
-    return vec4(column, vec2(-column.y, column.x) * (area / dot(column, column)));
+    PRECISE vec2 column = values_major * major.x * image - values_minor * major.y * beside;
+    PRECISE float ratio = sign(det) * values_major * values_minor / dot(column, column);
+    return vec4(column, vec2(-column.y, column.x) * ratio);
 }
 
 vec3 phong_normal(Phong e, vec3 turned, vec2 st)
 {
-    vec3 n = turned + e.side * ((e.field.x + e.field.y * st.x) * e.u + (e.field.z + e.field.w * st.y) * e.v);
+    PRECISE vec3 n =
+        turned + e.side * ((e.field.x + e.field.y * st.x) * e.u + (e.field.z + e.field.w * st.y) * e.v);
     float l = dot(n, n);
     return l >= 1e-12 ? n * inversesqrt(l) : turned;
 }

@@ -116,11 +116,23 @@ uint grid_index(uvec2 p)
            i.y * STP_BLOCK + i.x;
 }
 
-// A pixel that discs from afar may reach yet: it takes the nearest that is before `depth`, an order of
-// depth_order's; STP_RIM_DEPTH: any.
-void open_pixel(uvec2 p, uint depth)
+// Of an open pixel: the word that holds its limit.
+uint limit_place(uvec2 p)
 {
-    frame.keys.v[grid_index(p)] = packUint2x32(uvec2(STP_RIM_NONE, depth));
+    return frame.grid_width * frame.grid_height + grid_index(p);
+}
+
+// A pixel that any disc may reach yet: it takes the nearest of those that are before `limit` by their
+// radius; infinite: of all.
+void open_pixel(uvec2 p, float limit)
+{
+    frame.keys.v[grid_index(p)] = packUint2x32(uvec2(STP_RIM_NONE, STP_RIM_DEPTH));
+    frame.rim.v[limit_place(p)] = floatBitsToUint(limit);
+}
+
+float open_limit(uvec2 p)
+{
+    return uintBitsToFloat(frame.rim.v[limit_place(p)]);
 }
 
 uint block_count()

@@ -1,8 +1,12 @@
 // The compute rasteriser. A pass defines, before it includes this,
 //   void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 // Small splats: a thread each (LISTED: only those that exact_collect found). Splats that are large
-// or cross the near plane go to a list, and each takes a workgroup of the LARGE variant of the same
-// pass. Needs lib/pixel.glsl.
+// or cross the near plane go to a list. With BINS the BINNED variant of the same pass draws them block
+// by block; each of those that are left takes a workgroup of its LARGE variant. Needs lib/pixel.glsl.
+
+#ifdef BINNED
+#include "lib/binned.glsl"
+#else
 
 #ifdef LARGE
 layout(local_size_x = STP_LARGE_GROUP) in;
@@ -47,19 +51,30 @@ void touch_blocks(ivec4 box)
 
 #ifdef LARGE
 
+// The pixels of the blocks that a box touches: those that its splat would be tried at if it were binned.
+ivec4 whole_blocks(ivec4 box)
+{
+    ivec4 low = ivec2(frame.tile_x, frame.tile_y).xyxy;
+    ivec4 b = (box - low) / STP_BLOCK * STP_BLOCK + ivec4(0, 0, STP_BLOCK - 1, STP_BLOCK - 1);
+    ivec2 last = ivec2(frame.tile_width, frame.tile_height) - 1;
+    return box.z < box.x ? box : low + ivec4(b.xy, min(b.zw, last));
+}
+
 // A workgroup a splat; its threads step through the rectangle together.
 void main()
 {
     uint index = gl_WorkGroupID.y * STP_ROW + gl_WorkGroupID.x;
-    if (index >= frame.work.v[STP_WORK_LARGE + 3])
+    if (index >= frame.work.v[(BINS ? STP_WORK_REST : STP_WORK_LARGE) + 3])
         return;
-    uint id = frame.large.v[index];
+    uint id = BINS ? frame.bins.v[index] : frame.large.v[index];
     Splat s;
     splat_load(id, s);
     bool floored;
     Footprint f = footprint_make(s, floored);
     bool clipped = splat_clipped(s, floored);
     ivec4 box = clipped ? clipped_pixels(s) : footprint_pixels(s, f, floored);
+    if (BINS && !clipped)
+        box = whole_blocks(box);
     uint width = uint(box.z - box.x + 1), count = width * uint(box.w - box.y + 1);
     uint encoded = splat_encode(s);
 #ifdef FIRST_PASS
@@ -118,5 +133,7 @@ void main()
         }
     }
 }
+
+#endif
 
 #endif

@@ -1,14 +1,5 @@
-// Discs of level 0 as they are, round about pixels that the push left empty. Needs lib/pyramid.glsl.
-
-// As far as pixels beside a point's own are looked at from the pixel: the centre of a disc that reaches
-// a sample from so near is in one of the eight round it.
-const float NEAR_REACH = 1.5;
-
-// Some disc of the view reaches beyond those, as gather has found: only then is anything left open.
-bool discs_far()
-{
-    return RIM_FAR && frame.work.v[STP_WORK_FAR] != 0;
-}
+// Discs of points as they are, round about pixels that the push left empty. Needs lib/pyramid.glsl.
+#include "lib/reach.glsl"
 
 // Pixels by which the disc is widened. Where discs are small on the screen, seen flat above all, several
 // points fall into a pixel and one stands for all: its disc has to reach where theirs would. An area of
@@ -22,7 +13,7 @@ float disc_crowd(Texel t)
         facing = abs(dot(t.normal, ray)) * inversesqrt(dot(ray, ray));
     }
     PRECISE float r = t.radius * scale, area = 3.14159 * r * r * frame.focal[0] * frame.focal[1] * facing;
-    return 0.6 * clamp((16 - area) / 12, 0, 1);
+    return MOST_CROWD * clamp((16 - area) / 12, 0, 1);
 }
 
 // Of the picture's sample in pixel p of the grid.
@@ -37,22 +28,17 @@ vec2 disc_reach(Texel t)
 {
     vec2 focal = vec2(frame.focal[0], frame.focal[1]);
     float nearest = ORTHOGRAPHIC ? 1 : max(t.depth - t.radius, 0.5 * t.depth);
-    return max(t.radius * focal / nearest, vec2(frame.pyramid_floor)) + disc_crowd(t);
+    return max(t.radius * focal / nearest, vec2(frame.pyramid_floor));
 }
 
-// It may reach beyond the pixels beside its own; with slack for what texels round.
-bool disc_far(Texel t)
+// Pixels of the grid that it may touch, STP_RIM_REACH from its centre at most. False: none.
+bool disc_box(Texel t, out ivec4 box)
 {
-    vec2 reach = disc_reach(t);
-    return max(reach.x, reach.y) > NEAR_REACH - 0.01;
-}
-
-// Pixels of the grid that it may touch, STP_RIM_REACH from its centre at most.
-ivec4 disc_box(Texel t, vec2 reach)
-{
-    vec2 at = t.center - vec2(frame.grid_x, frame.grid_y), r = min(reach + 0.5, vec2(STP_RIM_REACH));
+    vec2 at = t.center - vec2(frame.grid_x, frame.grid_y);
+    vec2 r = min(disc_reach(t) + 0.5, vec2(STP_RIM_REACH));
     vec2 last = vec2(frame.grid_width, frame.grid_height) - 1;
-    return ivec4(clamp(floor(at - r), vec2(0), last), clamp(floor(at + r), vec2(0), last));
+    box = ivec4(clamp(floor(at - r), vec2(0), last), clamp(floor(at + r), vec2(0), last));
+    return all(greaterThanEqual(at + r, vec2(0))) && all(lessThan(at - r, last + 1));
 }
 
 // Open pixels come in words of 8 x 4: those that a box of pixels touches, and of one such word those in
@@ -62,15 +48,20 @@ uvec4 box_words(ivec4 box)
     return uvec4(box) / uvec4(STP_BLOCK, STP_BLOCK / 2, STP_BLOCK, STP_BLOCK / 2);
 }
 
-uint open_bits(uvec2 word, ivec4 box)
+uint word_bits(uvec2 word, ivec4 box)
 {
-    uint block = word.y / 2 * (frame.grid_width / STP_BLOCK) + word.x;
     ivec2 corner = ivec2(word) * ivec2(STP_BLOCK, STP_BLOCK / 2);
     uvec2 first = uvec2(max(box.xy - corner, ivec2(0)));
     uvec2 last = uvec2(min(box.zw - corner, ivec2(STP_BLOCK - 1, STP_BLOCK / 2 - 1)));
     uint row = (0xffu >> (STP_BLOCK - 1 - last.x)) & (0xffu << first.x);
     uint rows = (0xffffffffu >> (STP_BLOCK * (STP_BLOCK / 2 - 1 - last.y))) & (0xffffffffu << (STP_BLOCK * first.y));
-    return frame.work.v[open_word(block, word.y % 2)] & (row * 0x01010101u) & rows;
+    return (row * 0x01010101u) & rows;
+}
+
+uint open_bits(uvec2 word, ivec4 box)
+{
+    uint block = word.y / 2 * (frame.grid_width / STP_BLOCK) + word.x;
+    return frame.work.v[open_word(block, word.y % 2)] & word_bits(word, box);
 }
 
 // The disc at an empty pixel; `crowd`: it stands for others of its pixel, whose centres may lie so much

@@ -8,14 +8,14 @@ float rim_mean(uvec2 pixel)
     return SAMPLE_GRID > 1 ? NOTHING : frame.out_depth.v[pixel.y * frame.tile_width + pixel.x];
 }
 
-// The disc, or, of one of several samples, the mean.
-Surface rim_surface(ivec2 p, vec2 q, ivec2 point, float depth)
+// The disc, or, of one of several samples, the mean; `bare`: the pixel has no point of its own.
+Surface rim_surface(ivec2 p, vec2 q, bool bare, ivec2 point, float depth)
 {
     Texel t = texel_load(0, point);
     Attributes a = attributes_load(0, point);
     Surface s = Surface(1, t.normal, depth, a.color, t.normal, depth, a.id, 1);
     surface_object = a.object;
-    if (SAMPLE_GRID > 1 && !texel_valid(texel_load(0, p))) {
+    if (SAMPLE_GRID > 1 && bare) {
         Pushed r = push_from(1, p, q, false);
         if (r.weight > 0 && r.depth <= depth + t.radius && r.depth >= frame.near_depth &&
             r.depth <= frame.far_depth) {
@@ -29,7 +29,7 @@ Surface rim_surface(ivec2 p, vec2 q, ivec2 point, float depth)
 }
 
 // Where no disc reaches the pixel it shows nothing.
-void rim_write(ivec2 p, uvec2 pixel, vec2 q, bool reached, ivec2 point, float depth)
+void rim_write(ivec2 p, uvec2 pixel, bool bare, bool reached, ivec2 point, float depth)
 {
-    surface_write(pixel, reached, rim_surface(p, q, point, depth));
+    surface_write(pixel, reached, rim_surface(p, rim_position(uvec2(p)), bare, point, depth));
 }

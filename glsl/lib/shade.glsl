@@ -40,10 +40,18 @@ uint object_of_surface(bool hit, Surface s)
     return hit ? SURFACE_OBJECT(s) : 0;
 }
 
+// Then the nearest fragment's normal and albedo stand in. Precise: two modules may share a picture's
+// pixels by it (twopass_resolve.comp).
+bool surface_vanished(Surface s)
+{
+    precise float length2 = s.normal.x * s.normal.x + s.normal.y * s.normal.y + s.normal.z * s.normal.z;
+    return !(s.weight >= 1e-6 && length2 >= 1e-12);
+}
+
 Look surface_look(uvec2 p, bool hit, Surface s)
 {
     Look look;
-    bool vanished = !(s.weight >= 1e-6 && dot(s.normal, s.normal) >= 1e-12);
+    bool vanished = surface_vanished(s);
     look.normal = vanished ? s.near_normal : s.normal * inversesqrt(dot(s.normal, s.normal));
     look.depth = s.weight >= 1e-6 ? s.depth : s.near_depth;
     MaterialData m = material_at(object_of_surface(hit, s));

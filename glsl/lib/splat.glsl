@@ -246,7 +246,8 @@ Footprint footprint_make(Splat s, out bool floored)
     floored = FLOOR ? footprint_floor(s, q, first, second, f) : false;
     if (!floored) {
         f.q = form_squares(q.a, q.b, q.root);
-        f.st = vec4(first, vec2(-first.y, first.x) * (s.phong.side * (q.root / q.a)));
+        PRECISE vec2 across = vec2(-first.y, first.x) * (s.phong.side * (q.root / q.a));
+        f.st = vec4(first, across);
     }
     return f;
 }
@@ -265,9 +266,9 @@ bool footprint_hit(Footprint f, Phong e, vec2 d, out Fragment fragment)
     PRECISE float inv = 1 / den;
     PRECISE float rise = (f.h.x * d.x + f.h.y * d.y) * inv;
     PRECISE float depth = f.zc + (FLOOR ? clamp(rise, -f.reach, f.reach) : rise);
-    fragment = Fragment(form * inv * inv, depth, vec2(0));
-    if (PHONG != 0)
-        fragment.st = (f.st.xy * u + f.st.zw * d.y) * inv;
+    PRECISE float rho2 = form * inv * inv;
+    PRECISE vec2 st = PHONG != 0 ? (f.st.xy * u + f.st.zw * d.y) * inv : vec2(0);
+    fragment = Fragment(rho2, depth, st);
     // A den of 0 is an edge-on plane through the eye: no depth.
     return form <= den * den && den != 0 && fragment_seen(e, fragment);
 }

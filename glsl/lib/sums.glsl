@@ -4,11 +4,17 @@
 // 9 fragments; 10 opacity, where splats have their own. With REPAIR they live in the slots of a pixel that overflowed them (exact), else in
 // a buffer of their own (two-pass).
 
-const uint SUM_WORDS = STP_SUM_WORDS + (OPACITY == 2 ? 1 : 0);
+uint sum_words()
+{
+    if (OPACITY == 2)
+        return STP_SUM_WORDS + 1;
+    bool all = HAS_COLOR || SHADE == 1 || (AOVS & 2) != 0;
+    return all ? STP_SUM_WORDS : STP_SUM_WORDS_PLAIN;
+}
 
 uint sums_at(uint pixel, uint word)
 {
-    return REPAIR ? slot_index(pixel, word) : pixel * SUM_WORDS + word;
+    return REPAIR ? slot_index(pixel, word) : pixel * sum_words() + word;
 }
 
 bool sums_skip(uint pixel)

@@ -7,9 +7,8 @@
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #include "lib/pyramid.glsl"
-#include "lib/rim.glsl"
+#include "lib/discs.glsl"
 layout(local_size_x_id = 22) in;
-layout(set = 0, binding = STP_BINDING_RADII) uniform samplerBuffer point_radii;
 #ifdef FETCHED
 layout(set = 0, binding = STP_BINDING_SLOTS) uniform utextureBuffer key_texels;
 #endif
@@ -25,38 +24,21 @@ uint winner(uint pixel)
 #endif
 }
 
-mat3 normal_turn; // to the camera frame
-bool some_far = false;
-
 void gather(uvec2 p, uint index, bool found)
 {
     Place place;
     uvec2 pixel;
     vec2 offset;
-    float away;
     uvec4 point = texelFetch(point_texels, int(index));
-    Texel t = EMPTY;
-    t.depth = point_place(uintBitsToFloat(point.xyz), place);
-    t.radius = texelFetch(point_radii, int(index)).x;
-    vec3 n = point_normal(point, away);
-    t.normal = normal_turn * (TWO_SIDED && away > 0 ? -n : n);
+    float depth = point_place(uintBitsToFloat(point.xyz), place);
+    Texel t = point_disc(index, point, depth, place);
     point_pixel(place, pixel, offset);
     t.center = level_middle(0, ivec2(p)) + offset;
-    t.full = true;
     if (!found)
         return;
     texel_store(0, ivec2(p), t);
-    if (RIM_FAR) { // as those that look for discs decode it
-        t.normal = normalize(t.normal);
-        some_far = some_far || disc_far(t);
-    }
 #if ATTRIBUTES > 0
-    Attributes a = Attributes(vec3(0), push_first + index, 0);
-    if (HAS_COLOR)
-        a.color = frame.colors.v[index] * frame.pyramid_color;
-    if (HAS_OBJECTS)
-        a.object = frame.objects.v[index];
-    attributes_store(0, ivec2(p), a);
+    attributes_store(0, ivec2(p), point_attributes(index));
 #endif
 }
 
@@ -68,9 +50,7 @@ void main()
         return;
     uvec2 corner = uvec2(block % columns, block / columns) * STP_BLOCK;
     bool some = false;
-    const float r[9] = frame.rotation;
-    normal_turn = mat3(r[0], r[3], r[6], r[1], r[4], r[7], r[2], r[5], r[8]);
-    point_view_keep();
+    disc_view_keep();
     for (uint i = gl_LocalInvocationIndex; i < STP_GROUP;) {
         bool found = false;
         uint index = 0;
@@ -86,6 +66,4 @@ void main()
     }
     if (some)
         frame.work.v[STP_WORK_FLAGS + block] = STP_BLOCK_POINTS;
-    if (some_far)
-        frame.work.v[STP_WORK_FAR] = 1;
 }

@@ -12,6 +12,7 @@
 #include "lib/pixel.glsl"
 #include "lib/points.glsl"
 #include "lib/clusters.glsl"
+#include "lib/reach.glsl"
 layout(local_size_x_id = 22) in;
 
 // The nearest of the points that a thread has met in a row in one pixel: its key is written when the next
@@ -55,14 +56,25 @@ void project(uint index, inout Held held)
         held = h;
 }
 
+// Some disc of the cluster may reach beyond the pixels beside its own, as wide as lib/rim.glsl draws it.
+bool cluster_far(Cluster c)
+{
+    float depth = ORTHOGRAPHIC ? 1 : cluster_nearest(c);
+    float reach = max(c.reach * max(frame.focal[0], frame.focal[1]) / depth, frame.pyramid_floor);
+    return reach > NEAR_REACH - MOST_CROWD;
+}
+
 // A bit for each of the run's clusters that may be seen. Every thread tests them all: what threads tell
 // each other would cost a CPU device more.
-uint clusters_seen(uint first)
+uint clusters_seen(uint first, inout bool far)
 {
     uint seen = 0;
     for (uint i = 0; i < STP_POINT_RUN / STP_CLUSTER; i++) {
         uint point = first + i * STP_CLUSTER;
-        seen |= point < push_count && cluster_seen(point / STP_CLUSTER) ? 1u << i : 0;
+        Cluster c = cluster_load(point / STP_CLUSTER);
+        bool may = point < push_count && cluster_seen(c);
+        seen |= may ? 1u << i : 0;
+        far = far || (RIM_FAR && may && cluster_far(c));
     }
     return seen;
 }
@@ -72,7 +84,14 @@ void main()
 {
     uint first = workgroup_index() * STP_POINT_RUN;
     point_view_keep();
-    uint seen = CULL_CLUSTERS ? clusters_seen(first) : 0xffffffffu >> (32 - STP_POINT_RUN / STP_CLUSTER);
+    uint seen = 0xffffffffu >> (32 - STP_POINT_RUN / STP_CLUSTER);
+    bool far = false;
+    if (CULL_CLUSTERS || RIM_FAR) {
+        uint may = clusters_seen(first, far);
+        seen = CULL_CLUSTERS ? may : seen;
+    }
+    if (far)
+        frame.work.v[STP_WORK_FAR] = 1;
     uint run = STP_CLUSTER / gl_WorkGroupSize.x, count = bitCount(seen) * run, point = 0;
     Held held = Held(NOWHERE, 0, 0);
     for (uint i = 0; i < count; i++) {

@@ -33,7 +33,7 @@ uint outcome_of(bool hide, float reach, float mean)
 }
 
 // Which of the nine points the pixel shows, and its depth there; where it is open, the depth that discs
-// have to be before. hide: what it shows is there, unless a disc hides it.
+// have to be before by their radius. hide: what it shows is there, unless a disc hides it.
 uint look(uvec2 p, uvec2 pixel, bool hide, out ivec2 point, out float nearest)
 {
     vec2 q = rim_position(p);
@@ -88,11 +88,11 @@ void main()
             changes = shows || outcome == NOTHING_SHOWS;
             if (outcome == OPENS) {
                 open |= open_bit(i);
-                open_pixel(p, depth < NOTHING ? depth_order(depth) : STP_RIM_DEPTH);
+                open_pixel(p, depth);
             }
         }
         if (changes)
-            rim_write(ivec2(p), p - tile, rim_position(p), shows, point, depth);
+            rim_write(ivec2(p), p - tile, !texel_valid(texel_load(0, ivec2(p))), shows, point, depth);
     }
     if (RIM_FAR)
         list_open(block, open);

@@ -1,7 +1,7 @@
 #version 460
 #extension GL_GOOGLE_include_directive : require
 // A thread a point, or, LARGE, a workgroup: its disc's depth into the open pixels that it covers, the
-// nearest wins, ties go to the pixel that comes first. Without 64-bit atomics that takes a pass of its
+// nearest wins, ties go to the lower id. Without 64-bit atomics that takes a pass of its
 // own (NEAREST_ID).
 #include "lib/common.glsl"
 #ifdef WITH_ATOMIC64
@@ -12,52 +12,61 @@
 #include "lib/pixel.glsl"
 #define ATTRIBUTES 0
 #include "lib/pyramid.glsl"
+#include "lib/discs.glsl"
 #include "lib/rim.glsl"
 layout(local_size_x_id = 22) in;
 
-void visit(Texel t, float crowd, uint code, uvec2 p)
+void visit(Texel t, uint id, uvec2 p)
 {
-    // To hide a point takes the disc itself.
-    float z, wider = texel_valid(texel_load(0, ivec2(p))) ? 0 : crowd;
-    if (!rim_hit(t, wider, rim_position(p), z))
+    float z;
+    if (!rim_hit(t, 0, rim_position(p), z) || !(z + t.radius < open_limit(p)))
         return;
     uint at = grid_index(p), depth = depth_order(z);
 #ifdef WITH_ATOMIC64
-    atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | code);
-#elif defined(NEAREST_ID)
-    UintRef word = UintRef(uint64_t(frame.keys));
-    if (word.v[2 * at + 1] == depth)
-        atomicMin(word.v[2 * at], code);
+    atomicMin(frame.keys.v[at], uint64_t(depth) << 32 | id);
 #else
-    atomicMin(UintRef(uint64_t(frame.keys)).v[2 * at + 1], depth);
+    UintRef word = UintRef(uint64_t(frame.keys));
+#ifdef NEAREST_ID
+    if (word.v[2 * at + 1] == depth)
+        atomicMin(word.v[2 * at], id);
+#else
+    // What an earlier chunk left lies behind: its id goes.
+    if (atomicMin(word.v[2 * at + 1], depth) > depth)
+        word.v[2 * at] = STP_RIM_NONE;
+#endif
 #endif
 }
 
 // Of the list; false: there are no more.
-bool point_of(uint index, uint argument, uint slot, out Texel t, out uint code)
+bool point_of(uint index, uint argument, uint slot, out Texel t, out uint id)
 {
     bool there = index < frame.work.v[argument + 3];
-    uint from = frame.rim.v[there ? slot : 0];
-    ivec2 p = ivec2(from & 0xffffu, from >> 16);
-    t = texel_load(0, p);
-    code = STP_RIM + uint(p.y) * frame.grid_width + uint(p.x);
+    uint from = min(frame.large.v[there ? slot : 0], push_count - 1);
+    Place place;
+    uvec4 point = texelFetch(point_texels, int(from));
+    float depth = point_place(uintBitsToFloat(point.xyz), place);
+    t = point_disc(from, point, depth, place);
+    t.normal = normalize(t.normal);
+    id = push_first + from;
     return there;
 }
 
 void main()
 {
     Texel t;
-    uint code;
+    uint id;
+    ivec4 box;
+    disc_view_keep();
 #ifdef LARGE
     uint index = gl_WorkGroupID.y * STP_ROW + gl_WorkGroupID.x;
-    if (!point_of(index, STP_WORK_LARGE, frame.grid_width * frame.grid_height - 1 - index, t, code))
+    if (!point_of(index, STP_WORK_LARGE, push_count - 1 - index, t, id))
         return;
 #else
     uint index = workgroup_index() * gl_WorkGroupSize.x + gl_LocalInvocationIndex;
-    if (!point_of(index, STP_WORK_RIM, index, t, code))
+    if (!point_of(index, STP_WORK_RIM, index, t, id))
         return;
 #endif
-    ivec4 box = disc_box(t, disc_reach(t));
+    disc_box(t, box);
     uvec4 words = box_words(box);
     uvec2 size = words.zw - words.xy + 1, at = uvec2(0), step = uvec2(1, 0);
 #ifdef LARGE
@@ -65,7 +74,6 @@ void main()
     step = uvec2(gl_WorkGroupSize.x % size.x, gl_WorkGroupSize.x / size.x);
 #endif
     // At most (2 STP_RIM_REACH + 3)^2 / 8 turns, or STP_LARGE_AREA: below what lavapipe allows.
-    float crowd = disc_crowd(t);
     uint bits = 0;
     uvec2 corner = uvec2(0);
     while (bits != 0 || at.y < size.y) {
@@ -76,7 +84,7 @@ void main()
         }
         uint i = findLSB(bits);
         if (bits != 0)
-            visit(t, crowd, code, corner + uvec2(i % STP_BLOCK, i / STP_BLOCK));
+            visit(t, id, corner + uvec2(i % STP_BLOCK, i / STP_BLOCK));
         bits &= bits - 1;
     }
 }

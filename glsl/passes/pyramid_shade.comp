@@ -65,7 +65,7 @@ void main()
         again |= left == COVER ? turn : left == HIDE ? turn << STP_BLOCK : 0;
         if (far && left == AFAR) {
             open |= open_bit(i);
-            open_pixel(uvec2(p), STP_RIM_DEPTH);
+            open_pixel(uvec2(p), NOTHING);
         }
     }
     frame.rim.v[block * STP_GROUP + gl_LocalInvocationIndex] = again;

@@ -10,7 +10,7 @@ void main()
     uint block = workgroup_index();
     if (block >= frame.blocks_x * frame.blocks_y)
         return;
-    uint at = (block * STP_GROUP + gl_LocalInvocationIndex) * SUM_WORDS;
-    for (uint i = 0; i < SUM_WORDS; i++)
+    uint at = (block * STP_GROUP + gl_LocalInvocationIndex) * sum_words();
+    for (uint i = 0; i < sum_words(); i++)
         frame.sums.v[at + i] = i == 0 ? STP_SUMS_NONE : 0ul;
 }

@@ -7,15 +7,15 @@
 #ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
-#ifndef WITH_ATOMIC64
+// The id's pass finds the depth again; and which variant draws a splat must not show.
 #define SAME_BITS
-#endif
 #include "lib/splat.glsl"
 #include "lib/sums.glsl"
 #include "lib/peel.glsl"
 #ifndef NEAREST_ID
 #define FIRST_PASS
 #endif
+// BINNED: a pixel is one thread's, and no atomics are needed.
 
 uint splat_encode(Splat s)
 {
@@ -41,4 +41,31 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 #endif
 }
 
+#ifdef BINNED
+struct Held {
+    uint depth, id;
+};
+
+Held held_begin(uint pixel)
+{
+    uint at = 2 * sums_at(pixel, 0);
+    return Held(sums_halves().v[at + 1], sums_halves().v[at]);
+}
+
+void held_take(inout Held held, bool hit, uint pixel, uint id, Splat s, Fragment f, uint encoded)
+{
+    uint depth = hit ? depth_order(f.depth) : ~0u;
+    bool first = depth < held.depth || (depth == held.depth && id < held.id);
+    held.depth = first ? depth : held.depth;
+    held.id = first ? id : held.id;
+}
+
+void held_end(uint pixel, Held held)
+{
+    uint at = 2 * sums_at(pixel, 0);
+    sums_halves().v[at] = held.id;
+    sums_halves().v[at + 1] = held.depth;
+}
+
+#endif
 #include "lib/rasterize.glsl"

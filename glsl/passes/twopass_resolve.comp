@@ -2,6 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // Normalisation and deferred shading of the two-pass sums (ZP 3.1, third pass); of a transparent scene,
 // of one more layer.
+// SURE: pixels whose sums vanish, which need the nearest fragment itself, are left to VANISHED, and
+// that is sent only if there are any: the fragment of an ellipse costs more than all the rest.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #include "lib/sums.glsl"
@@ -9,6 +11,22 @@
 #include "lib/shade.glsl"
 #define RESOLVES
 #include "lib/peel.glsl"
+
+// Another variant's pixel.
+bool leave(bool hit, Surface s)
+{
+    bool vanished = hit && surface_vanished(s);
+#ifdef SURE
+    if (vanished)
+        for (uint i = 0; i < 2; i++)
+            frame.work.v[STP_WORK_LOOK + i] = frame.work.v[STP_WORK_BLOCKS + i];
+    return vanished;
+#elif defined(VANISHED)
+    return !vanished;
+#else
+    return false;
+#endif
+}
 
 float sum(uint at, float scale)
 {
@@ -33,10 +51,16 @@ void main()
     if (HAS_COLOR || SHADE == 1)
         s.albedo = vec3(sum(sums_at(pixel, 6), frame.color_scale), sum(sums_at(pixel, 7), frame.color_scale),
                         sum(sums_at(pixel, 8), frame.color_scale));
-    s.fragments = uint(sums_buffer().v[sums_at(pixel, 9)]);
+    s.fragments = 0;
+    if ((AOVS & 2) != 0)
+        s.fragments = uint(sums_buffer().v[sums_at(pixel, 9)]);
     s.near_normal = vec3(0, 0, -1);
+    if (leave(hit, s))
+        return;
+#ifndef SURE
     if (hit)
         s.near_normal = normal_again(s.id, p);
+#endif
     if (SHADE == 2)
         s = Surface(1, s.near_normal, s.near_depth, vec3(0), s.near_normal, s.near_depth, s.id, 1);
     if (!PEEL) {

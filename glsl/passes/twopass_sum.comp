@@ -6,6 +6,8 @@
 #ifdef WITH_ATOMIC64
 #extension GL_EXT_shader_atomic_int64 : require
 #endif
+// Which variant draws a splat must not show.
+#define SAME_BITS
 #include "lib/splat.glsl"
 #include "lib/sums.glsl"
 #include "lib/peel.glsl"
@@ -31,6 +33,16 @@ void sums_add(uint at, float value, float scale)
 #endif
 }
 
+// Of a fragment, its light too where splats are shaded.
+vec3 fragment_color(uint pixel, uint id, vec3 n, Fragment f)
+{
+    if (SHADE != 1)
+        return frame.colors.v[id];
+    uvec2 p;
+    block_pixel(pixel / STP_GROUP, pixel % STP_GROUP, p);
+    return shade_fragment(id, n, pixel_position(p), f.depth);
+}
+
 void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
 {
     if (sums_skip(pixel))
@@ -47,14 +59,7 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
     sums_add(sums_at(pixel, 4), w * n.z, scale);
     sums_add(sums_at(pixel, 5), w * ((f.depth - nearest) / epsilon), scale);
     if (HAS_COLOR || SHADE == 1) {
-        vec3 c;
-        if (SHADE == 1) {
-            uvec2 p;
-            block_pixel(pixel / STP_GROUP, pixel % STP_GROUP, p);
-            c = shade_fragment(id, n, pixel_position(p), f.depth);
-        } else {
-            c = frame.colors.v[id];
-        }
+        vec3 c = fragment_color(pixel, id, n, f);
         sums_add(sums_at(pixel, 6), w * c.x, frame.color_scale);
         sums_add(sums_at(pixel, 7), w * c.y, frame.color_scale);
         sums_add(sums_at(pixel, 8), w * c.z, frame.color_scale);
@@ -65,4 +70,7 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
         atomicAdd(sums_halves().v[2 * sums_at(pixel, 9)], 1);
 }
 
+#ifdef BINNED
+#include "lib/held_sums.glsl"
+#endif
 #include "lib/rasterize.glsl"

@@ -24,13 +24,25 @@
 #endif
 
 /* Pixels live in blocks of BLOCK x BLOCK: a splat touches few pages, a workgroup takes a block. */
-#define STP_BLOCK              8
-#define STP_GROUP              64   /* threads of a workgroup */
-#define STP_LARGE_AREA         1024 /* pixels of bounds above which a splat takes a workgroup */
-#define STP_LARGE_GROUP        128
+#define STP_BLOCK       8
+#define STP_GROUP       64   /* threads of a workgroup */
+#define STP_LARGE_AREA  1024 /* pixels of bounds above which a splat takes a workgroup */
+#define STP_LARGE_GROUP 128
+#define STP_BIN_AREA    512 /* with BINS: above which it is drawn block by block */
+/* Large splats, at most, that are drawn block by block; and entries of their lists, a block in the
+ * mean. A block's list has an entry a splat: fewer than the 65535 turns of a loop that lavapipe
+ * allows; and all that splats may ask for (STP_WORK_ENTRIES), in the 2^16 blocks of a tile, stays
+ * below 2^32. */
+#define STP_BIN_SPLATS         32768u
+#define STP_BIN_ENTRIES        64u
+#define STP_BIN_GROUP          8 /* threads that bin a splat */
+#define STP_BIN_DISC           5 /* vectors of a record: lib/record.glsl */
+#define STP_BIN_ELLIPSE        9
+#define STP_BIN_CLIPPED        10
 #define STP_ROW                32768u /* workgroups along x; more go along y */
 #define STP_SLOTS              64 /* fragments a pixel that `exact` keeps before its second way */
 #define STP_SUM_WORDS          10 /* 64-bit words of a pixel's fixed-point sums */
+#define STP_SUM_WORDS_PLAIN    6  /* without colours and fragments */
 #define STP_LIGHTS             8
 #define STP_ENVIRONMENT_LEVELS 12
 /* What PLAN_OPTICS holds, or-ed. */
@@ -51,10 +63,9 @@
 #define STP_TAG_OPAQUE    128u        /* opacity 1, in a scene that is transparent elsewhere */
 #define STP_NO_NORMAL     0x80008000u /* of a point: no octahedral normal is packed to this */
 #define STP_NO_POINT      0x7fffffffu /* key words of a pixel that no point fell into */
-#define STP_RIM_DEPTH     0x7f800001u /* then, of one that the push left empty: farther than all */
-#define STP_RIM_NONE      0x7ffffffeu
-#define STP_RIM           0x60000000u /* added to the pixel whose point reaches one from outside */
-#define STP_RIM_REACH     255         /* pixels: as far as such a point is looked for */
+#define STP_RIM_DEPTH     0x7f800001u /* then, of an open one: farther than all */
+#define STP_RIM_NONE      0x7ffffffeu /* and no point */
+#define STP_RIM_REACH     255         /* pixels: as far as a disc is looked for there */
 #define STP_POINT_RUN     512         /* points that a workgroup projects */
 #define STP_CLUSTER       64          /* points that are culled together */
 #define STP_LEVELS        16          /* of a pyramid, at most */
@@ -68,8 +79,8 @@
 #define STP_AXIS_WIDTH         4       /* of a block of pixels, which eight threads share */
 #define STP_AXIS_HEIGHT        4
 #define STP_AXIS_ROWS          (STP_AXIS_WIDTH * STP_AXIS_HEIGHT / 8) /* pixels of a thread */
-#define STP_AXIS_REACH         3.0     /* of kernels, in deviations */
-#define STP_AXIS_LEAST_ALPHA   1e-4    /* of a fragment */
+#define STP_AXIS_REACH         3.0  /* of kernels, in deviations */
+#define STP_AXIS_LEAST_ALPHA   1e-4 /* of a fragment */
 #define STP_AXIS_MERGE_BLEND   0
 #define STP_AXIS_MERGE_CLIP    1
 #define STP_ELLIPSOID          5 /* vectors of one: centre, tau; colour; then its axes */
@@ -95,11 +106,11 @@
 #define STP_WORK_LARGE         0 /* x y z count of large splats, or of STP_WORK_RIM's large discs */
 #define STP_WORK_BLOCKS        4 /* x y z count of touched blocks */
 #define STP_WORK_LEVEL_1       8 /* x y z: pyramid, texels of level 1 in touched blocks; then level 2 */
+#define STP_WORK_FAR           11 /* pyramid, not 0: a disc reaches beyond the pixels beside its own */
 #define STP_WORK_LEVEL_2       12
 #define STP_WORK_LOOK          16 /* x y z count of blocks with pixels to be looked at again */
-#define STP_WORK_RIM           20 /* x y z count of points that may reach an empty pixel from afar */
-#define STP_WORK_FIND          24 /* pyramid, x y z: the touched blocks again; 0 where no disc is far */
-#define STP_WORK_FAR           27 /* pyramid, not 0: a disc reaches beyond the pixels beside its own */
+#define STP_WORK_RIM           20 /* x y z count of points that may reach an open pixel */
+#define STP_WORK_FIND          24 /* x y z count of clusters whose points may; z starts as 0 */
 #define STP_WORK_OPEN          28 /* x y z count of blocks with such pixels */
 #define STP_WORK_REPAIR        8  /* x y z count of small splats that touch an overflowed block */
 #define STP_WORK_REPAIR_L      12
@@ -107,15 +118,22 @@
 #define STP_WORK_COLLECT       20 /* x y z: all splats, to find those; else 0 */
 #define STP_WORK_OVERFLOW      24 /* not 0: a pixel's slots overflowed */
 #define STP_WORK_REMAINING     25 /* not 0: rays that are being mended have layers left */
-/* A word a block. Pyramid: then two words a block, a bit for each open pixel; then three lists. */
-#define STP_WORK_FLAGS         32
-#define STP_WORK_BLOCK_WORDS   6 /* pyramid: all of these, a block */
-#define STP_WORK_BLOCK_RESET   3 /* those that start as 0 */
-#define STP_BLOCK_TOUCHED      1u
-#define STP_BLOCK_OVERFLOWED   2u
-#define STP_BLOCK_LOOK         1u /* pyramid: it is on the list of STP_WORK_LOOK; so below */
-#define STP_BLOCK_OPEN         2u
-#define STP_BLOCK_POINTS       4u /* pyramid: some point fell into it */
+/* Two-pass, which repairs nothing, with BINS: */
+#define STP_WORK_REST    20 /* x y z count of large splats that are not binned */
+#define STP_WORK_BINNED  8  /* x y z: workgroups, and count, of blocks that have lists */
+#define STP_WORK_ENTRIES 24 /* of those lists, handed out */
+/* A word a block. Then the list of touched blocks; with BINS the heads of the blocks' lists (the
+ * first entry + 1), and the list of the blocks that have one. Pyramid: then two words a block, a
+ * bit for each open pixel; then three lists. */
+#define STP_WORK_FLAGS       32
+#define STP_WORK_BLOCK_WORDS 6 /* pyramid: all of these, a block */
+#define STP_WORK_BLOCK_RESET 3 /* those that start as 0 */
+#define STP_BLOCK_TOUCHED    1u
+#define STP_BLOCK_OVERFLOWED 2u
+#define STP_BLOCK_LOOK       1u /* pyramid: it is on the list of STP_WORK_LOOK; so below */
+#define STP_BLOCK_OPEN       2u
+#define STP_BLOCK_POINTS     4u /* pyramid: some point fell into it */
+#define STP_BLOCK_BARE       8u /* of the tile, and the push passes it over; with RIM_FAR */
 
 struct stp_light_gpu {
     float position[3]; /* camera frame: a point, or the unit direction towards the light */
@@ -179,16 +197,22 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, objects);       /* pyramid: of points; with HAS_OBJECTS */
     STP_ADDRESS(UintRef, rim);       /* pyramid: STP_GROUP words a block, of a thread each: a bit a
                                         pixel that a disc may cover, from STP_BLOCK on one that a disc
-                                        may hide; then the points of STP_WORK_RIM, large ones from the
-                                        end */
-    STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair */
+                                        may hide; then, with RIM_FAR, of each open pixel the depth
+                                        that a disc has to be before by its radius */
+    STP_ADDRESS(UintRef, large);     /* ids of large splats; exact: then those to repair; pyramid:
+                                        points of STP_WORK_RIM, large ones from the end, then the
+                                        clusters of STP_WORK_FIND, each its first
+                                        point, and 1 more where it may touch a bare block */
+    STP_ADDRESS(UintRef, bins);      /* large splats that are not binned; then the entries of the
+                                        blocks' lists: record, and the next entry + 1 */
     STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
     STP_ADDRESS(UintRef, key_ids);   /* exact, packed, when ids are needed beside */
     STP_ADDRESS(UintRef, counts);    /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);   /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
-    STP_ADDRESS(Uint64Ref, sums);    /* two-pass: STP_SUM_WORDS a pixel */
+    STP_ADDRESS(Uint64Ref, sums);    /* two-pass: lib/sums.glsl says how many a pixel */
     STP_ADDRESS(Vec4Ref, projected); /* axis: 2 per kernel: centre, log2 tau; colour; or
-                                        STP_ELLIPSOID_DRAWN, STP_GAUSSIAN */
+                                        STP_ELLIPSOID_DRAWN, STP_GAUSSIAN; else STP_BIN_DISC, ...:
+                                        of large splats, by their place in `large` */
     STP_ADDRESS(Vec4Ref, axis_sums); /* axis, in parts: 2 a pixel and walk */
     STP_ADDRESS(UintRef,
                 host_words);      /* the host's depth as it was copied, rows of what was copied */
@@ -246,7 +270,8 @@ struct stp_frame_constants {
     float pyramid_floor;             /* least radius on the screen, pixels */
     float pyramid_color;             /* colours are packed times this */
     STP_STRUCT(stp_light_gpu) lights[STP_LIGHTS];
-    STP_STRUCT(stp_material_gpu) material; /* of the first object; the only one without HAS_OBJECTS */
+    STP_STRUCT(stp_material_gpu)
+    material; /* of the first object; the only one without HAS_OBJECTS */
     STP_STRUCT(stp_axis_gpu) axis;
     float environment_frame[9]; /* camera to the map: right of its centre, up, its centre */
     STP_STRUCT(stp_level_gpu) environment_levels[STP_ENVIRONMENT_LEVELS];

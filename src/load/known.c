@@ -36,6 +36,7 @@ static const struct signature signatures[] = {
     SIGNATURE(0, "#INRIMAGE", "INRIMAGE", volume),
     SIGNATURE(344, "n+1\0", "NIfTI", volume),
     SIGNATURE(344, "ni1\0", "NIfTI", volume),
+    SIGNATURE(4, "n+2\0\r\n\032\n", "NIfTI-2", "write it as NIfTI-1"),
     SIGNATURE(0, "NRRD000", "NRRD", volume),
     SIGNATURE(0, "\x89HDF\r\n", "HDF5", to_ply),
     SIGNATURE(0, "\x93NUMPY", "NumPy", to_ply),

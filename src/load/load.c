@@ -28,8 +28,9 @@ static enum stp_result refuse(const struct stp_env *env, const char *path,
                          known.advice);
     return log_error(
         env, STP_ERROR_FORMAT,
-        "%s: byte 0: not a point file that is read (PLY, LAS, PCD, text, OFF, OBJ, gzip of any): "
-        "convert it to PLY; of a raw volume, give --volume-dims and --volume-type",
+        "%s: byte 0: not a point file that is read (PLY, LAS, PCD, text, OFF, OBJ), nor a volume "
+        "(NIfTI, NRRD, MetaImage, INRIMAGE), nor gzip of any: convert it to one of these; of a raw "
+        "volume, give --volume-dims and --volume-type",
         path);
 }
 

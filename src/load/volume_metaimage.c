@@ -11,15 +11,15 @@ struct metaimage {
     const struct stp_env *env;
     const char *path;
     double rank, dims[3], channels, skip;
-    bool packed, ended;
+    bool packed, ended, text;
     char type[64], data_file[256];
     struct voxels voxels;
 };
 
 bool metaimage_probe(const struct file_bytes *bytes)
 {
-    static const char *const starts[] = { "ObjectType", "NDims" };
-    for (int i = 0; i < 2; i++) {
+    static const char *const starts[] = { "ObjectType", "NDims", "Comment" };
+    for (int i = 0; i < 3; i++) {
         size_t length = strlen(starts[i]), at = length;
         if (bytes->size <= length || memcmp(bytes->data, starts[i], length) != 0)
             continue;
@@ -66,6 +66,8 @@ static bool take(struct metaimage *file, const struct header_line *line)
         return header_numbers(value, 1, &file->skip);
     if (strcmp(key, "ElementByteOrderMSB") == 0 || strcmp(key, "BinaryDataByteOrderMSB") == 0)
         v->big_endian = is_true(value);
+    if (strcmp(key, "BinaryData") == 0)
+        file->text = !is_true(value);
     if (strcmp(key, "CompressedData") == 0)
         file->packed = is_true(value);
     if (strcmp(key, "ElementType") == 0)
@@ -99,6 +101,11 @@ static enum stp_result check(struct metaimage *file)
         return log_error(file->env, STP_ERROR_FORMAT,
                          "%s: %g dimensions of %g channels; a volume has three of one", file->path,
                          file->rank, file->channels);
+    if (file->text)
+        return log_error(
+            file->env, STP_ERROR_FORMAT,
+            "%s: BinaryData = False: voxels as text are not read; write them as binary",
+            file->path);
     if (!file->ended || strncmp(file->data_file, "LIST", 4) == 0 || strchr(file->data_file, '%'))
         return log_error(file->env, STP_ERROR_FORMAT,
                          "%s: ElementDataFile must be LOCAL or one file", file->path);

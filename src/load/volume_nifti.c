@@ -74,12 +74,19 @@ static void of_quaternion(const struct nifti *file, struct voxels *v)
     v->has_origin = true;
 }
 
+/* Its columns are the axes' steps: pixdim has no say in it (NIfTI's method 3). */
 static void of_affine(const struct nifti *file, struct voxels *v)
 {
-    for (int axis = 0; axis < 3; axis++)
+    for (int axis = 0; axis < 3; axis++) {
+        double step[3], length = 0;
+        for (int world = 0; world < 3; world++) {
+            step[world] = float_at(file, 280 + 16 * (size_t)world + 4 * (size_t)axis);
+            length = hypot(length, step[world]);
+        }
+        v->spacing[axis] = length;
         for (int world = 0; world < 3; world++)
-            v->direction[axis][world] =
-                float_at(file, 280 + 16 * (size_t)world + 4 * (size_t)axis) / v->spacing[axis];
+            v->direction[axis][world] = length > 0 ? step[world] / length : 0;
+    }
     for (int world = 0; world < 3; world++)
         v->origin[world] = float_at(file, 292 + 16 * (size_t)world);
     v->has_origin = true;
@@ -128,6 +135,8 @@ enum stp_result nifti_read(const struct stp_env *env, const char *path,
         return result;
     v.slope = float_at(&file, 112);
     v.intercept = float_at(&file, 116);
+    if (isnan(v.slope)) /* how some write that there is none */
+        v.slope = v.intercept = 0;
     if (short_at(&file, 254) > 0)
         of_affine(&file, &v);
     else if (short_at(&file, 252) > 0)

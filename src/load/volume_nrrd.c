@@ -3,6 +3,7 @@
 #include <math.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 #include "base/log.h"
 #include "load/volume.h"
@@ -11,7 +12,8 @@ struct nrrd {
     const struct stp_env *env;
     const char *path;
     double rank, sizes[3];
-    bool packed, has_spacings, unread;
+    bool packed, has_spacings, has_bounds, unread;
+    bool left_handed; /* the space that directions and origin are in */
     char type[64], encoding[32], data_file[256];
     double skip; /* bytes; -1: the voxels are the last of the file */
     struct voxels voxels;
@@ -43,6 +45,28 @@ static bool take_directions(struct voxels *v, const char *text)
     return true;
 }
 
+/* LPS and RAS are right-handed, as the world is. */
+static bool is_left_handed(const char *space)
+{
+    return strncasecmp(space, "left-anterior-superior", 22) == 0 ||
+           strncasecmp(space, "LAS", 3) == 0 || strncasecmp(space, "3D-left-handed", 14) == 0;
+}
+
+/* Axes and origin into the world, by its first axis. */
+static void mirror(struct voxels *v)
+{
+    bool given = false;
+    for (int axis = 0; axis < 3; axis++)
+        for (int w = 0; w < 3; w++)
+            given = given || v->direction[axis][w] != 0;
+    for (int axis = 0; axis < 3; axis++) {
+        if (!given)
+            v->direction[axis][axis] = 1;
+        v->direction[axis][0] = -v->direction[axis][0];
+    }
+    v->origin[0] = -v->origin[0];
+}
+
 static bool take(struct nrrd *file, const struct header_line *line)
 {
     struct voxels *v = &file->voxels;
@@ -52,13 +76,17 @@ static bool take(struct nrrd *file, const struct header_line *line)
     if (matches(line->key, "sizes"))
         return file->rank != 3 || header_numbers(value, 3, file->sizes);
     if (matches(line->key, "spacings"))
-        return header_numbers(value, 3, v->spacing);
+        return file->has_spacings = header_numbers(value, 3, v->spacing);
+    if (matches(line->key, "axis mins") || matches(line->key, "axis maxs"))
+        file->has_bounds = true;
     if (matches(line->key, "space directions"))
-        return take_directions(v, value);
+        return file->has_spacings = take_directions(v, value);
     if (matches(line->key, "space origin"))
         return v->has_origin = header_numbers(value, 3, v->origin);
-    if (matches(line->key, "space"))
+    if (matches(line->key, "space")) {
         v->up = STP_UP_Z; /* anatomical spaces name their axes; the third is superior */
+        file->left_handed = is_left_handed(value);
+    }
     if (matches(line->key, "type"))
         strcpy(file->type, strlen(value) < sizeof file->type ? value : "");
     if (matches(line->key, "endian"))
@@ -101,12 +129,12 @@ static enum stp_result read_fields(struct nrrd *file, const struct file_bytes *b
 static enum stp_result check(struct nrrd *file)
 {
     struct voxels *v = &file->voxels;
-    file->packed = matches(file->encoding, "gzip") || matches(file->encoding, "gz");
+    file->packed = strcasecmp(file->encoding, "gzip") == 0 || strcasecmp(file->encoding, "gz") == 0;
     if (file->rank != 3)
         return log_error(file->env, STP_ERROR_FORMAT,
                          "%s: %g dimensions; a volume of scalars has three", file->path,
                          file->rank);
-    if (!file->packed && !matches(file->encoding, "raw"))
+    if (!file->packed && strcasecmp(file->encoding, "raw") != 0)
         return log_error(file->env, STP_ERROR_FORMAT,
                          "%s: encoding %s is not read; write it as raw or gzip", file->path,
                          file->encoding);
@@ -119,6 +147,13 @@ static enum stp_result check(struct nrrd *file)
     if (!voxel_type_read(file->type, &v->type, &big))
         return log_error(file->env, STP_ERROR_FORMAT, "%s: type \"%s\" is no scalar that is read",
                          file->path, file->type);
+    if (file->has_bounds && !file->has_spacings)
+        log_warning(file->env,
+                    "%s: axis mins and maxs are not read, spacings are 1; --volume-spacing says "
+                    "otherwise",
+                    file->path);
+    if (file->left_handed)
+        mirror(v);
     for (int i = 0; i < 3; i++)
         v->dims[i] =
             file->sizes[i] >= 1 && file->sizes[i] <= 4294967295.0 ? (uint64_t)file->sizes[i] : 0;

@@ -1,6 +1,7 @@
 /* Files of voxels alone: what they are is said by the caller or by a .json beside them. */
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 #include "base/json.h"
@@ -66,8 +67,10 @@ bool voxel_type_read(const char *text, enum record_type *type, bool *big_endian)
 {
     for (size_t i = 0; i < sizeof type_names / sizeof *type_names; i++) {
         size_t length = strlen(type_names[i].name);
-        if (strncmp(text, type_names[i].name, length) != 0)
+        if (strncasecmp(text, type_names[i].name, length) != 0)
             continue;
+        if (strncmp(text + length, "_t", 2) == 0) /* as C has it */
+            length += 2;
         if (text[length] != 0 && text[length] != ' ')
             return false;
         *type = type_names[i].type;

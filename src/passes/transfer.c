@@ -14,9 +14,9 @@ static uint32_t word_count(const struct stp_plan *plan, const struct plan_tile *
     return plan_level_blocks(&grid, 0) * STP_WORK_BLOCK_RESET;
 }
 
-/* Indirect arguments start as one row of no workgroups, flags as untouched. */
+/* Indirect arguments start as one row of no workgroups, flags as untouched, lists as empty. */
 static void reset_arguments(struct stp_context *context, VkCommandBuffer commands,
-                            uint32_t word_count, const struct gpu_buffer *work)
+                            uint32_t word_count, bool bins, const struct gpu_buffer *work)
 {
     uint32_t words[STP_WORK_FLAGS] = { 0 };
     const uint32_t arguments[] = { STP_WORK_LARGE,    STP_WORK_BLOCKS,        STP_WORK_REPAIR,
@@ -27,6 +27,9 @@ static void reset_arguments(struct stp_context *context, VkCommandBuffer command
     context->vk.vkCmdUpdateBuffer(commands, work->handle, 0, sizeof words, words);
     VkDeviceSize flags = (VkDeviceSize)word_count * 4;
     context->vk.vkCmdFillBuffer(commands, work->handle, STP_WORK_FLAGS * 4, flags, 0);
+    if (bins)
+        context->vk.vkCmdFillBuffer(commands, work->handle, STP_WORK_FLAGS * 4 + 2 * flags, flags,
+                                    0);
 }
 
 /* The first component of each texel takes the word, the others are 0. */
@@ -45,7 +48,8 @@ void pass_record_transfer(struct stp_context *context, VkCommandBuffer commands,
 {
     if (pass->kind == PLAN_ARGUMENTS) {
         uint8_t work = pass->access[0].resource;
-        reset_arguments(context, commands, word_count(plan, tile), &resources->buffer[work]);
+        reset_arguments(context, commands, word_count(plan, tile), plan->constant[PLAN_BINS] != 0,
+                        &resources->buffer[work]);
         return;
     }
     if (pass_is_image(plan->resource[pass->target].format)) {

@@ -44,6 +44,7 @@ enum plan_constant {
     PLAN_CULL_CLUSTERS, /* pyramid: points are culled by STP_CLUSTER before they are projected */
     PLAN_RIM_FAR,       /* pyramid: discs reach beyond the pixels beside their own */
     PLAN_CUTS,          /* near or far may cut a splat: of this view, or of one to come */
+    PLAN_BINS,          /* two-pass: large splats are drawn block by block */
     PLAN_CONSTANTS
 };
 

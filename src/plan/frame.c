@@ -92,7 +92,7 @@ static void quantisation(struct stp_plan *plan)
     double nearest = low;
     low -= 0.25 * epsilon; /* rounding never reaches below step 0 */
     double bits = floor(24 - log2((high - low) / epsilon + 2));
-    f->depth_bits = bits > 16 ? 16 : bits < 1 ? 1 : (uint32_t)bits;
+    f->depth_bits = bits > 16 ? 16 : bits >= 1 ? (uint32_t)bits : 1; /* not a number: 1 */
     double scale = ldexp(1, (int)f->depth_bits) / epsilon;
     f->depth_low = (float)low;
     f->depth_scale = (float)scale;

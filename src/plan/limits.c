@@ -97,13 +97,15 @@ static enum stp_result read_limits(const struct json_at *at, const cJSON *root,
         result = get_count(at, root, "processor", 2, &processor);
     if (result == STP_OK)
         result = calibration_from_json(at, root, &limits->calibration);
+    if (result != STP_OK)
+        return result;
     limits->heap_bytes = (uint64_t)heap;
     limits->max_allocation = (uint64_t)allocation;
     limits->max_image_size = (uint32_t)size;
     limits->max_image_layers = (uint32_t)layers;
     limits->max_workgroups = (uint32_t)groups;
     limits->processor = (uint32_t)processor;
-    return result;
+    return STP_OK;
 }
 
 enum stp_result stp_limits_load(const struct stp_env *env, const char *path,

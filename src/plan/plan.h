@@ -63,6 +63,9 @@ struct stp_plan {
      * [chunk_first, chunk_end) are run once a chunk, of points [chunk[i], chunk[i + 1]). */
     uint32_t chunk_count; /* 0: all points are there at once */
     uint32_t chunk_first, chunk_end;
+    /* Passes [again_first, again_end) too, when all chunks have been through the others; their
+     * order does not matter. again_end 0: there are none. */
+    uint32_t again_first, again_end;
     uint32_t chunk[PLAN_MAX_CHUNKS + 1];
     uint32_t stream_count; /* chunks that the scene comes in itself; 0: it is in memory */
     uint32_t stream[STREAM_MOST_CHUNKS + 1];
@@ -106,6 +109,7 @@ void plan_leave_device(struct stp_plan *plan);
 void plan_deferred(struct stp_plan *plan);
 void plan_exact(struct stp_plan *plan);
 void plan_twopass(struct stp_plan *plan);
+uint32_t plan_sum_words(const struct stp_plan *plan); /* of a pixel, by compute */
 void plan_axis(struct stp_plan *plan);
 /* axis_surface.c: of points and splats, drawn as flat Gaussians. */
 bool plan_axis_asked(const struct stp_plan *plan);
@@ -129,6 +133,7 @@ void plan_pyramid_resources(struct stp_plan *plan);
 /* plan/pyramid_view.c: what a pyramid of the plan's scene and view stands on, and what one tile's
  * does. A pixel that the tile keeps has the same bits in both. */
 void plan_pyramid_view(struct stp_plan *plan); /* levels, grid and constants; once a plan */
+bool plan_has_clusters(const struct stp_plan *plan);
 struct plan_grid plan_tile_grid(const struct stp_plan *plan, const struct plan_tile *tile);
 /* Workgroups of a pass over one level of a grid. */
 uint32_t plan_level_blocks(const struct plan_grid *grid, uint32_t level);

@@ -11,15 +11,47 @@ static const char *const format_names[] = { "buffer",        "R32G32_UINT",
                                             "texels",        "texels" };
 static const char *const lifetime_names[] = { "scene", "transient", "output" };
 
-static const char *const constant_names[] = {
-    "groups",       "voronoi",       "packed",    "gauss",       "two_sided",       "cull_back",
-    "floor",        "orthographic",  "color",     "objects",     "unknown_normals", "head_light",
-    "local_viewer", "background",    "aovs",      "squarings",   "repair",          "slot_ids",
-    "atomic64",     "layered",       "float64",   "sample_grid", "lanes",           "axis_walks",
-    "axis_cut",     "unlit",         "axis_walk", "axis_part",   "opacity",         "mixed",
-    "optics",       "host_depth",    "deep",      "phong",       "shade",           "light_cube",
-    "axis_shape",   "cull_clusters", "rim_far",   "cuts",
-};
+static const char *const constant_names[] = { "groups",
+                                              "voronoi",
+                                              "packed",
+                                              "gauss",
+                                              "two_sided",
+                                              "cull_back",
+                                              "floor",
+                                              "orthographic",
+                                              "color",
+                                              "objects",
+                                              "unknown_normals",
+                                              "head_light",
+                                              "local_viewer",
+                                              "background",
+                                              "aovs",
+                                              "squarings",
+                                              "repair",
+                                              "slot_ids",
+                                              "atomic64",
+                                              "layered",
+                                              "float64",
+                                              "sample_grid",
+                                              "lanes",
+                                              "axis_walks",
+                                              "axis_cut",
+                                              "unlit",
+                                              "axis_walk",
+                                              "axis_part",
+                                              "opacity",
+                                              "mixed",
+                                              "optics",
+                                              "host_depth",
+                                              "deep",
+                                              "phong",
+                                              "shade",
+                                              "light_cube",
+                                              "axis_shape",
+                                              "cull_clusters",
+                                              "rim_far",
+                                              "cuts",
+                                              "bins" };
 _Static_assert(sizeof constant_names / sizeof *constant_names == PLAN_CONSTANTS, "a name each");
 
 static void print_resources(FILE *out, const struct stp_plan *plan)
@@ -56,7 +88,9 @@ static void print_passes(FILE *out, const struct stp_plan *plan)
             fprintf(out, " for each of %u samples:\n", plan_samples(plan));
         if (plan->chunk_count && i == plan->chunk_first)
             fprintf(out, " for each chunk of points:\n");
-        if (plan->chunk_count && i == plan->chunk_end)
+        if (plan->chunk_count && plan->again_end && i == plan->again_first)
+            fprintf(out, " for each chunk again:\n");
+        if (plan->chunk_count && (i == plan->chunk_end || i == plan->again_end))
             fprintf(out, " then:\n");
         if ((repeats || plan->loop_first) && i == plan->repeat_end)
             fprintf(out, " then:\n");

@@ -33,7 +33,7 @@ static void scene_resources(struct stp_plan *plan)
         plan_resource(plan, "colors", PLAN_COLORS, PLAN_SCENE, n * 12);
     if (plan->facts.objects > 1)
         plan_resource(plan, "objects", PLAN_OBJECTS, PLAN_SCENE, n * 4);
-    if (plan->constant[PLAN_CULL_CLUSTERS])
+    if (plan_has_clusters(plan))
         texels(plan, "clusters", PLAN_TEXEL_CLUSTERS, PLAN_TEXELS_RGBA32UI,
                (n + STP_CLUSTER - 1) / STP_CLUSTER * 32);
     plan_materials(plan);
@@ -84,7 +84,11 @@ static void transient_resources(struct stp_plan *plan)
     uint8_t keys = plan_resource(plan, "keys", PLAN_KEYS, PLAN_TRANSIENT, pixels * 8);
     if (may_fetch(plan, pixels))
         plan->resource[keys].format = PLAN_TEXELS_RG32UI;
-    plan_resource(plan, "rim", PLAN_RIM, PLAN_TRANSIENT, pixels * 4);
+    plan_resource(plan, "rim", PLAN_RIM, PLAN_TRANSIENT, pixels * (plan->rim_far ? 8 : 4));
+    uint64_t points = plan_chunk_points(plan);
+    if (plan->rim_far)
+        plan_resource(plan, "reaching", PLAN_LARGE, PLAN_TRANSIENT,
+                      (points + (points + STP_CLUSTER - 1) / STP_CLUSTER) * 4);
     plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT,
                   (STP_WORK_FLAGS + STP_WORK_BLOCK_WORDS * blocks) * 4);
 }
@@ -113,6 +117,8 @@ static void project(struct stp_plan *plan, const char *name, enum plan_shader sh
     plan_reads(plan, pass, PLAN_TEXEL_POINTS);
     plan_reads(plan, pass, PLAN_TEXEL_CLUSTERS);
     plan_updates(plan, pass, PLAN_KEYS);
+    if (plan->rim_far)
+        plan_writes(plan, pass, PLAN_WORK);
 }
 
 /* Without 64-bit atomics the ids take a pass of their own, with the same outcome. */
@@ -120,6 +126,8 @@ static void project_all(struct stp_plan *plan)
 {
     plan_fill(plan, PLAN_KEYS, STP_NO_POINT, "clear keys");
     plan_fill(plan, PLAN_IMAGE_PYRAMID, 0x7f800000u, "clear pyramid"); /* depths: infinite */
+    if (plan->rim_far)
+        plan_fill(plan, PLAN_RIM, 0x7f800000u, "clear limits");
     plan->chunk_first = plan->pass_count;
     if (plan->constant[PLAN_ATOMIC64]) {
         project(plan, "project", PLAN_SHADER_PYRAMID_PROJECT);
@@ -225,19 +233,48 @@ static void rim_near(struct stp_plan *plan, unsigned attributes)
     plan_reads(plan, pass, PLAN_OUT_DEPTH);
     if (plan->rim_far) {
         plan_updates(plan, pass, PLAN_WORK);
+        plan_updates(plan, pass, PLAN_RIM);
         plan_writes(plan, pass, PLAN_KEYS);
     }
 }
 
-static void rim_splat(struct stp_plan *plan, const char *name, enum plan_shader shader,
-                      uint32_t argument)
+static void rim_clusters(struct stp_plan *plan)
+{
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "rim clusters");
+    pass->shader = PLAN_SHADER_PYRAMID_RIM_CLUSTERS;
+    pass->of_points = true;
+    plan_reads(plan, pass, PLAN_TEXEL_CLUSTERS);
+    plan_updates(plan, pass, PLAN_WORK);
+    plan_writes(plan, pass, PLAN_LARGE);
+}
+
+/* What looks at points again, with the argument of its indirect dispatch. */
+static struct plan_pass *rim_points(struct stp_plan *plan, const char *name,
+                                    enum plan_shader shader, uint32_t argument)
 {
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, name);
     pass->shader = shader;
     pass->offset = argument * 4;
     plan_reads(plan, pass, PLAN_WORK);
+    plan_reads(plan, pass, PLAN_TEXEL_POINTS);
+    plan_reads(plan, pass, PLAN_TEXEL_RADII);
+    return pass;
+}
+
+static void rim_find(struct stp_plan *plan)
+{
+    struct plan_pass *pass =
+        rim_points(plan, "rim find", PLAN_SHADER_PYRAMID_RIM_FIND, STP_WORK_FIND);
+    plan_updates(plan, pass, PLAN_WORK);
+    plan_updates(plan, pass, PLAN_LARGE);
+}
+
+static void rim_splat(struct stp_plan *plan, const char *name, enum plan_shader shader,
+                      uint32_t argument)
+{
+    struct plan_pass *pass = rim_points(plan, name, shader, argument);
+    plan_reads(plan, pass, PLAN_LARGE);
     plan_reads(plan, pass, PLAN_RIM);
-    plan_reads(plan, pass, PLAN_IMAGE_PYRAMID);
     plan_updates(plan, pass, PLAN_KEYS);
 }
 
@@ -251,22 +288,36 @@ static void rim_splats(struct stp_plan *plan, const char *name, enum plan_shader
         rim_splat(plan, large, shader + 1, STP_WORK_LARGE);
 }
 
+/* Points that reach open pixels into level 0. */
+static void rim_take(struct stp_plan *plan, unsigned attributes)
+{
+    struct plan_pass *pass =
+        rim_points(plan, "rim take", PLAN_SHADER_PYRAMID_RIM_TAKE + attributes, STP_WORK_OPEN);
+    plan_updates(plan, pass, PLAN_WORK);
+    plan_reads(plan, pass, PLAN_COLORS);
+    plan_reads(plan, pass, PLAN_OBJECTS);
+    plan_reads(plan, pass, PLAN_KEYS);
+    plan_writes(plan, pass, PLAN_IMAGE_PYRAMID);
+    plan_writes(plan, pass, PLAN_IMAGE_ATTRIBUTES);
+}
+
 /* Discs reach farther than the pixels beside their centres. */
 static void rim_far(struct stp_plan *plan, unsigned attributes)
 {
-    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, "rim find");
-    pass->shader = PLAN_SHADER_PYRAMID_RIM_FIND;
-    pass->offset = STP_WORK_FIND * 4;
-    plan_updates(plan, pass, PLAN_WORK);
-    plan_reads(plan, pass, PLAN_IMAGE_PYRAMID);
-    plan_writes(plan, pass, PLAN_RIM);
+    plan->again_first = plan->pass_count;
+    rim_clusters(plan);
+    rim_find(plan);
     if (plan->constant[PLAN_ATOMIC64]) {
         rim_splats(plan, "rim splat", PLAN_SHADER_PYRAMID_RIM_SPLAT);
     } else {
         rim_splats(plan, "rim splat depth", PLAN_SHADER_PYRAMID_RIM_SPLAT32);
         rim_splats(plan, "rim splat id", PLAN_SHADER_PYRAMID_RIM_SPLAT_ID32);
     }
-    pass = shade(plan, "rim shade", PLAN_SHADER_PYRAMID_RIM_SHADE + attributes, STP_WORK_OPEN);
+    rim_take(plan, attributes);
+    plan->again_end = plan->pass_count;
+    struct plan_pass *pass =
+        shade(plan, "rim shade", PLAN_SHADER_PYRAMID_RIM_SHADE + attributes, STP_WORK_OPEN);
+    plan_reads(plan, pass, PLAN_RIM);
     plan_reads(plan, pass, PLAN_KEYS);
     plan_reads(plan, pass, PLAN_OUT_DEPTH);
 }

@@ -19,7 +19,7 @@ uint64_t plan_chunk_points(const struct stp_plan *plan)
 
 static uint64_t bytes_of_points(const struct stp_plan *plan)
 {
-    return 16 + 4 + (plan->constant[PLAN_CULL_CLUSTERS] ? 1 : 0) +
+    return 16 + 4 + (plan_has_clusters(plan) ? 1 : 0) + (plan->rim_far ? 5 : 0) +
            (plan->facts.has_color ? 12 : 0) + (plan->facts.objects > 1 ? 4 : 0);
 }
 

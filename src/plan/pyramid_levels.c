@@ -77,22 +77,31 @@ static void store3(struct vec3 v, float out[3])
     out[2] = (float)v.z;
 }
 
+bool pyramid_point(const struct pyramid *p, size_t id, struct pyramid_texel *t, double at[2])
+{
+    struct placed point;
+    if (!place(p, id, &point))
+        return false;
+    *t = (struct pyramid_texel){ .full = true, .exact = true, .id = (uint32_t)id };
+    t->depth = (float)point.center.z;
+    t->radius = p->view->scene->splats.radius[id];
+    store3(point.normal, t->normal);
+    store3(splat_albedo(p->view, (uint32_t)id), t->color);
+    memcpy(at, point.at, sizeof point.at);
+    return true;
+}
+
 /* Level 0: the point that won the pixel. */
 static struct pyramid_texel point_texel(const struct pyramid *p, int64_t x, int64_t y)
 {
     uint64_t key = p->key[(size_t)y * p->width[0] + (size_t)x];
-    struct pyramid_texel t = { .full = true, .exact = true, .id = (uint32_t)key };
-    struct placed point;
-    double middle[2];
-    if (key == PYRAMID_NOTHING || !place(p, t.id, &point))
+    struct pyramid_texel t;
+    double middle[2], at[2];
+    if (key == PYRAMID_NOTHING || !pyramid_point(p, (uint32_t)key, &t, at))
         return nothing;
     pyramid_middle(p, 0, x, y, middle);
-    t.depth = (float)point.center.z;
-    t.radius = p->view->scene->splats.radius[t.id];
-    store3(point.normal, t.normal);
-    store3(splat_albedo(p->view, t.id), t.color);
     for (int k = 0; k < 2; k++)
-        t.center[k] = (float)(point.at[k] - middle[k]);
+        t.center[k] = (float)(at[k] - middle[k]);
     return t;
 }
 

@@ -11,6 +11,7 @@
 #define NO_CELL     UINT32_MAX
 #define ACROSS      (SURVEY_BLOCK / PROBE_CELL) /* places for cells of a block, a side */
 #define NEAR_REACH  1.5
+#define MOST_CROWD  0.6
 
 struct drawing {
     const struct pyramid *p;
@@ -30,9 +31,9 @@ struct shown {
 /* A pixel of the probe that discs from afar may reach yet: nothing covers it, or they may hide what
  * it shows. */
 struct open {
-    bool is, shows, point; /* it shows something; its own point */
-    double depth;          /* of the nearest disc that does; before: of what it shows */
-    struct shown shown;
+    bool is;
+    double limit; /* depth of what it shows */
+    double depth; /* of the nearest disc that reaches it */
 };
 
 /* Of probe pixel i: its place in the grid, and in the picture. False: outside. */
@@ -99,7 +100,7 @@ static double crowd_of(const struct pyramid *p, const struct pyramid_texel *t,
             fabs(v3_dot(v3_loadf(t->normal),
                         v3_unit(v3((center[0] - e->cx) / e->fx, (center[1] - e->cy) / e->fy, 1))));
     double r = (double)t->radius * scale, area = 3.14159 * r * r * e->fx * e->fy * facing;
-    return 0.6 * fmin(fmax((16 - area) / 12, 0), 1);
+    return MOST_CROWD * fmin(fmax((16 - area) / 12, 0), 1);
 }
 
 static bool rim_hit(const struct pyramid *p, const struct pyramid_texel *t, double crowd,
@@ -157,21 +158,21 @@ static bool rim_near(const struct drawing *d, const int64_t at[2], const double 
     return isfinite(nearest);
 }
 
-/* A disc of level 0 into the cells that it touches, where they are open. */
+/* A point's disc into the open pixels of a cell, where it is before what they show by its radius.
+ */
 static void reach_cell(const struct drawing *d, uint32_t cell, const struct pyramid_texel *t,
-                       double crowd, const double center[2])
+                       const double center[2])
 {
     for (uint32_t k = 0; k < CELL_PIXELS; k++) {
         size_t i = (size_t)cell * CELL_PIXELS + k;
         int64_t at[2];
         double q[2], depth;
         struct open *o = &d->open[i];
-        if (!o->is || !locate(d, i, at, q) ||
-            !rim_hit(d->p, t, o->point ? 0 : crowd, center, q, &depth) || !(depth < o->depth))
+        if (!o->is || !locate(d, i, at, q) || !rim_hit(d->p, t, 0, center, q, &depth) ||
+            !(depth + (double)t->radius < o->limit) || !(depth < o->depth))
             continue;
         o->depth = depth;
-        bool hides = !o->shows || o->shown.depth > depth + (double)t->radius;
-        struct shown s = hides ? rim_surface(d, at, q, t, depth) : o->shown;
+        struct shown s = rim_surface(d, at, q, t, depth);
         show(d, i, &s);
     }
 }
@@ -182,31 +183,49 @@ static void cell_range(double low, double high, uint32_t cells, int64_t *first, 
     *last = (int64_t)fmin(floor(high / PROBE_CELL), cells - 1.0);
 }
 
-static void reach_far(const struct drawing *d, int64_t x, int64_t y)
+/* Pixels that the disc reaches, in each direction. */
+static void disc_reach(const struct drawing *d, const struct pyramid_texel *t, double reach[2])
 {
     const struct eye *e = &d->p->view->eye;
-    struct pyramid_texel t = pyramid_load(d->p, 0, x, y);
-    int64_t low[2], high[2];
-    double center[2];
-    if (!isfinite(t.depth))
-        return;
-    center_of(d->p, &t, x, y, center);
-    double crowd = crowd_of(d->p, &t, center), floor_ = (double)d->p->plan->frame.pyramid_floor;
-    double r = (double)t.radius, z = (double)t.depth;
+    double r = (double)t->radius, z = (double)t->depth;
     double nearest = e->orthographic ? 1 : fmax(z - r, 0.5 * z);
-    double rx = fmax(r * e->fx / nearest, floor_) + crowd;
-    double ry = fmax(r * e->fy / nearest, floor_) + crowd;
-    if (fmax(rx, ry) <= NEAR_REACH)
+    double floor_ = (double)d->p->plan->frame.pyramid_floor;
+    reach[0] = fmax(r * e->fx / nearest, floor_);
+    reach[1] = fmax(r * e->fy / nearest, floor_);
+}
+
+/* Some disc reaches beyond the pixels beside its point's own. */
+static bool discs_far(const struct drawing *d)
+{
+    struct pyramid_texel t;
+    double center[2], reach[2];
+    bool far = false;
+    for (size_t i = 0; d->p->plan->rim_far && i < d->p->view->scene->splats.count && !far; i++) {
+        if (!pyramid_point(d->p, i, &t, center))
+            continue;
+        disc_reach(d, &t, reach);
+        far = fmax(reach[0], reach[1]) > NEAR_REACH - MOST_CROWD;
+    }
+    return far;
+}
+
+static void reach_far(const struct drawing *d, size_t id)
+{
+    struct pyramid_texel t;
+    int64_t low[2], high[2];
+    double center[2], r[2];
+    if (!pyramid_point(d->p, id, &t, center))
         return;
-    rx = fmin(rx + 0.5, STP_RIM_REACH);
-    ry = fmin(ry + 0.5, STP_RIM_REACH);
-    cell_range(center[0] - rx, center[0] + rx, d->across, &low[0], &high[0]);
-    cell_range(center[1] - ry, center[1] + ry, d->down, &low[1], &high[1]);
+    disc_reach(d, &t, r);
+    for (int k = 0; k < 2; k++) {
+        r[k] = fmin(r[k] + 0.5, STP_RIM_REACH);
+        cell_range(center[k] - r[k], center[k] + r[k], k ? d->down : d->across, &low[k], &high[k]);
+    }
     for (int64_t by = low[1]; by <= high[1]; by++)
         for (int64_t bx = low[0]; bx <= high[0]; bx++) {
             uint32_t cell = d->cell_of[(size_t)by * d->across + (size_t)bx];
             if (cell != NO_CELL)
-                reach_cell(d, cell, &t, crowd, center);
+                reach_cell(d, cell, &t, center);
         }
 }
 
@@ -257,11 +276,7 @@ static void draw_pixel(const struct drawing *d, size_t i)
     else if (found)
         show(d, i, &other);
     if (hidden ? !found : doubtful)
-        d->open[i] = (struct open){ .is = true,
-                                    .shows = hit,
-                                    .point = isfinite(pyramid_load(d->p, 0, at[0], at[1]).depth),
-                                    .depth = hit ? own.depth : INFINITY,
-                                    .shown = own };
+        d->open[i] = (struct open){ true, hit ? own.depth : INFINITY, INFINITY };
 }
 
 /* What nothing covers shows what is behind it all, as the truth does where it has nothing. */
@@ -285,9 +300,9 @@ static void draw_all(const struct drawing *d)
         begin_pixel(d, i);
         draw_pixel(d, i);
     }
-    for (int64_t y = 0; d->p->plan->rim_far && y < d->p->height[0]; y++)
-        for (int64_t x = 0; x < d->p->width[0]; x++)
-            reach_far(d, x, y);
+    size_t points = discs_far(d) ? d->p->view->scene->splats.count : 0;
+    for (size_t i = 0; i < points; i++)
+        reach_far(d, i);
 }
 
 static enum stp_result draw(const struct stp_env *env, const struct probe *probe,
@@ -332,8 +347,8 @@ static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
     return 1;
 }
 
-/* Points once, pixels level by level, and where discs may reach far, those of the points that won
- * their pixels. */
+/* Points once, pixels level by level, and where discs may reach far, about as many as win their
+ * pixels. */
 static enum plan_cost cost(const struct stp_plan *plan, const struct survey *survey,
                            double amount[PLAN_TERMS])
 {

@@ -44,6 +44,9 @@ void pyramid_release(struct pyramid *pyramid);
 
 /* Of texel (x, y), counted from the level's first; nothing beyond its edges. */
 struct pyramid_texel pyramid_load(const struct pyramid *p, unsigned level, int64_t x, int64_t y);
+/* A point's texel as its pixel would have it, its centre apart, pixels of the picture. False:
+ * culled, or outside near and far. */
+bool pyramid_point(const struct pyramid *p, size_t id, struct pyramid_texel *t, double at[2]);
 /* Of a level's first texel, in texels. */
 int64_t pyramid_origin(const struct pyramid *p, unsigned level, int axis);
 /* The middle of a texel, pixels of the picture. */

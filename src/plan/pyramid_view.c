@@ -91,6 +91,11 @@ static bool leaves_picture(const struct stp_plan *plan, const struct outline *o)
            o->high[1] > plan->camera.height;
 }
 
+bool plan_has_clusters(const struct stp_plan *plan)
+{
+    return plan->constant[PLAN_CULL_CLUSTERS] || plan->rim_far;
+}
+
 void plan_pyramid_view(struct stp_plan *plan)
 {
     struct stp_frame_constants *f = &plan->frame;

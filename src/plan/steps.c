@@ -194,30 +194,38 @@ static void updates_all(const struct stp_plan *plan, struct plan_pass *pass,
         plan_updates(plan, pass, *updated);
 }
 
+struct plan_pass *plan_splat_pass(struct stp_plan *plan, enum plan_kind kind, const char *name,
+                                  const enum plan_slot *updated)
+{
+    struct plan_pass *pass = plan_pass(plan, kind, name);
+    splat_reads(plan, pass);
+    plan_reads(plan, pass, PLAN_LIMITS);
+    plan_updates(plan, pass, PLAN_WORK);
+    updates_all(plan, pass, updated);
+    return pass;
+}
+
 void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_shader,
                 enum plan_shader large_shader, bool repair, const enum plan_slot *updated)
 {
     char large_name[40];
     snprintf(large_name, sizeof large_name, "%s large", name);
-    struct plan_pass *pass = plan_pass(plan, repair ? PLAN_DISPATCH_INDIRECT : PLAN_DISPATCH, name);
+    struct plan_pass *pass =
+        plan_splat_pass(plan, repair ? PLAN_DISPATCH_INDIRECT : PLAN_DISPATCH, name, updated);
     pass->shader = small_shader;
     pass->repair = repair;
     pass->offset = STP_WORK_REPAIR * 4;
     pass->groups = (uint32_t)((plan_splats(plan) + STP_GROUP - 1) / STP_GROUP);
-    splat_reads(plan, pass);
-    plan_reads(plan, pass, PLAN_LIMITS);
-    plan_updates(plan, pass, PLAN_WORK);
     plan_updates(plan, pass, PLAN_LARGE);
-    updates_all(plan, pass, updated);
-    pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, large_name);
+    if (!repair)
+        plan_bin(plan);
+    pass = plan_splat_pass(plan, PLAN_DISPATCH_INDIRECT, large_name, updated);
     pass->shader = large_shader;
     pass->repair = repair;
-    pass->offset = (repair ? STP_WORK_REPAIR_L : STP_WORK_LARGE) * 4;
-    splat_reads(plan, pass);
-    plan_reads(plan, pass, PLAN_LIMITS);
-    plan_updates(plan, pass, PLAN_WORK);
+    uint32_t left = plan->constant[PLAN_BINS] ? STP_WORK_REST : STP_WORK_LARGE;
+    pass->offset = (repair ? STP_WORK_REPAIR_L : left) * 4;
     plan_reads(plan, pass, PLAN_LARGE);
-    updates_all(plan, pass, updated);
+    plan_reads(plan, pass, PLAN_BINNED_LISTS);
 }
 
 void plan_blocks(struct stp_plan *plan)

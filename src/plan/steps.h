@@ -27,6 +27,7 @@ enum plan_slot {
     PLAN_OBJECTS,
     PLAN_RIM,
     PLAN_LARGE,
+    PLAN_BINNED_LISTS,
     PLAN_KEYS,
     PLAN_SLOT_IDS,
     PLAN_COUNTS,
@@ -164,9 +165,20 @@ void plan_attaches(const struct stp_plan *plan, struct plan_pass *pass, enum pla
 uint8_t plan_find(const struct stp_plan *plan, enum plan_slot slot); /* PLAN_NONE: absent */
 uint64_t plan_pixels(const struct stp_plan *plan);                   /* of a tile, whole blocks */
 void plan_fill(struct stp_plan *plan, enum plan_slot slot, uint32_t value, const char *name);
+/* A pass that draws splats; updates `updated` (ends with PLAN_SLOTS). */
+struct plan_pass *plan_splat_pass(struct stp_plan *plan, enum plan_kind kind, const char *name,
+                                  const enum plan_slot *updated);
 /* One pass over the splats: small, then large ones; updates `updated` (ends with PLAN_SLOTS). */
 void plan_splat(struct stp_plan *plan, const char *name, enum plan_shader small_shader,
                 enum plan_shader large_shader, bool repair, const enum plan_slot *updated);
+/* binned.c: of two-pass, whether large splats are drawn block by block; what that takes; the pass
+ * that bins them, once since the arguments were reset; after plan_splat, the pass that draws them.
+ */
+bool plan_bins(const struct stp_plan *plan);
+void plan_bin_resources(struct stp_plan *plan);
+void plan_bin(struct stp_plan *plan);
+void plan_binned(struct stp_plan *plan, const char *name, enum plan_shader shader,
+                 const enum plan_slot *updated);
 void plan_blocks(struct stp_plan *plan);
 /* An output that is written, or, where frames add to each other, added to. */
 void plan_outputs(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);

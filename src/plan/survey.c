@@ -96,9 +96,10 @@ static void sum_edges(const struct count *count, const struct survey *survey)
     size_t row = (size_t)survey->across + 1;
     for (uint32_t y = 0; y < survey->down; y++) {
         uint64_t *edge = &count->edge[y * row], along = 0;
+        const uint64_t *above = y ? edge - row : NULL;
         for (uint32_t x = 0; x < survey->across; x++) {
             along += edge[x];
-            edge[x] = along + (y ? edge[x - row] : 0);
+            edge[x] = along + (above ? above[x] : 0);
             count->mass[(size_t)y * survey->across + x] += edge[x];
         }
     }

@@ -73,10 +73,11 @@ static void clear_outputs(struct stp_plan *plan)
 
 static void compute_resources(struct stp_plan *plan)
 {
-    uint64_t blocks = plan_pixels(plan) / STP_GROUP;
-    plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + 2 * blocks) * 4);
+    uint64_t blocks = plan_pixels(plan) / STP_GROUP, words = plan->constant[PLAN_BINS] ? 4 : 2;
+    plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + words * blocks) * 4);
     uint64_t lists = plan->method == STP_METHOD_EXACT ? 2 : 1; /* large, and to repair */
     plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, plan_splats(plan) * 4 * lists);
+    plan_bin_resources(plan);
 }
 
 static void reset_arguments(struct stp_plan *plan)
@@ -114,7 +115,7 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
 {
     plan->tile_width = width;
     plan->tile_height = height;
-    plan->resource_count = plan->pass_count = plan->loop_first = 0;
+    plan->resource_count = plan->pass_count = plan->loop_first = plan->again_end = 0;
     bool pyramid = plan->method == STP_METHOD_PYRAMID, axis = plan->method == STP_METHOD_AXIS;
     if (pyramid)
         plan_pyramid_resources(plan);

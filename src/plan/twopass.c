@@ -6,36 +6,64 @@
  * none of this is there. */
 #include "plan/offer.h"
 
+/* glsl/lib/sums.glsl */
+uint32_t plan_sum_words(const struct stp_plan *plan)
+{
+    const uint32_t *c = plan->constant;
+    if (c[PLAN_OPACITY] == 2)
+        return STP_SUM_WORDS + 1;
+    bool all =
+        c[PLAN_HAS_COLOR] || c[PLAN_SHADE] == STP_SHADE_SPLAT || (c[PLAN_AOVS] & PLAN_AOVS_ID);
+    return all ? STP_SUM_WORDS : STP_SUM_WORDS_PLAIN;
+}
+
+/* Of ellipses the pixels whose sums vanish go by themselves, if there are any. */
+static void resolve(struct stp_plan *plan)
+{
+    static const enum plan_slot summed[] = { PLAN_SUMS, PLAN_SLOTS };
+    bool apart = plan->constant[PLAN_PHONG] && plan->params.shade != STP_SHADE_FLAT;
+    plan_resolve(plan, "resolve",
+                 apart ? PLAN_SHADER_TWOPASS_RESOLVE_SURE : PLAN_SHADER_TWOPASS_RESOLVE, false,
+                 summed);
+    plan_updates(plan, &plan->pass[plan->pass_count - 1], PLAN_NEAREST);
+    if (!apart)
+        return;
+    plan_resolve(plan, "resolve vanished", PLAN_SHADER_TWOPASS_RESOLVE_VANISHED, false, summed);
+    plan->pass[plan->pass_count - 1].offset = STP_WORK_LOOK * 4;
+}
+
 static void compute(struct stp_plan *plan)
 {
     bool atomic64 = plan->constant[PLAN_ATOMIC64] != 0;
     const enum plan_slot sums[] = { PLAN_SUMS, PLAN_NEAREST, PLAN_SLOTS };
-    const enum plan_slot summed[] = { PLAN_SUMS, PLAN_SLOTS };
-    uint64_t words = STP_SUM_WORDS + (plan->constant[PLAN_OPACITY] == 2);
-    plan_resource(plan, "sums", PLAN_SUMS, PLAN_TRANSIENT, plan_pixels(plan) * words * 8);
+    plan_resource(plan, "sums", PLAN_SUMS, PLAN_TRANSIENT,
+                  plan_pixels(plan) * plan_sum_words(plan) * 8);
     struct plan_pass *clear = plan_pass(plan, PLAN_DISPATCH, "clear sums");
     clear->shader = PLAN_SHADER_TWOPASS_CLEAR;
     plan_writes(plan, clear, PLAN_SUMS);
     if (atomic64) {
         plan_splat(plan, "depth", PLAN_SHADER_TWOPASS_DEPTH, PLAN_SHADER_TWOPASS_DEPTH_LARGE, false,
                    sums);
+        plan_binned(plan, "depth binned", PLAN_SHADER_TWOPASS_DEPTH_BINNED, sums);
     } else {
         plan_splat(plan, "depth", PLAN_SHADER_TWOPASS_DEPTH32, PLAN_SHADER_TWOPASS_DEPTH32_LARGE,
                    false, sums);
+        plan_binned(plan, "depth binned", PLAN_SHADER_TWOPASS_DEPTH_BINNED, sums);
         plan_splat(plan, "nearest id", PLAN_SHADER_TWOPASS_ID32, PLAN_SHADER_TWOPASS_ID32_LARGE,
                    false, sums);
     }
     plan_exchange(plan, PLAN_EXCHANGE_NEAREST, "exchange nearest");
-    if (plan->params.shade != STP_SHADE_FLAT) /* else the nearest is all there is */
+    if (plan->params.shade != STP_SHADE_FLAT) { /* else the nearest is all there is */
         plan_splat(plan, "sum", atomic64 ? PLAN_SHADER_TWOPASS_SUM : PLAN_SHADER_TWOPASS_SUM32,
                    atomic64 ? PLAN_SHADER_TWOPASS_SUM_LARGE : PLAN_SHADER_TWOPASS_SUM32_LARGE,
                    false, sums);
+        plan_binned(plan, "sum binned", PLAN_SHADER_TWOPASS_SUM_BINNED, sums);
+    }
     plan_exchange(plan, PLAN_EXCHANGE_SUMS, "exchange sums");
     if (!plan_is_root(plan))
         return;
     plan_blocks(plan);
-    plan_resolve(plan, "resolve", PLAN_SHADER_TWOPASS_RESOLVE, false, summed);
-    plan_updates(plan, &plan->pass[plan->pass_count - 1], PLAN_NEAREST);
+    resolve(plan);
 }
 
 static struct plan_pass *draw(struct stp_plan *plan, const char *name, enum plan_shader fragment,

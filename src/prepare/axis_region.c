@@ -109,6 +109,8 @@ static void shape_of_grid(struct axis_view *view)
         view->white[row][row] = 1 / (KERNEL_SIGMA * spacing[row]);
     }
     view->amplitude = kernel_amplitude();
+    view->least_peak =
+        view->amplitude * sqrt(2 * M_PI) * KERNEL_SIGMA * volume_finest(&view->volume->grid);
 }
 
 struct axis_view axis_view(const struct stp_scene *scene, const struct stp_camera *camera)
@@ -294,16 +296,14 @@ static struct approach approach(const struct axis_view *view, const double centr
     return (struct approach){ a, peak, v3_dot(d, d) };
 }
 
-bool axis_nearly_meets(const struct axis_view *view, const double centre[3], double peak, double px,
-                       double py)
+/* Certain of a voxel's fragment without its exact opacity: where it is greatest is seen, so that at
+ * least half of the integral is, exp(-m2 / 2) >= 1 - m2 / 2, and 1 - exp(-x) is at least
+ * x (1 - x / 2). */
+static bool is_plain(const struct axis_view *view, const struct approach *n, double tau)
 {
     const double rim = 0.0111; /* below exp(-4.5), at the reach */
-    struct approach n = approach(view, centre, axis_ray(&view->rays, px, py), px, py);
-    /* At least half of the integral is seen, exp(-m2 / 2) >= 1 - m2 / 2, and 1 - exp(-x) is at
-     * least x (1 - x / 2). */
-    return n.m2 <= KERNEL_REACH * KERNEL_REACH && n.peak >= view->camera->near_depth &&
-           n.peak <= view->camera->far_depth &&
-           0.5 * peak * fmax(1 - 0.5 * n.m2, rim) >= 1.001 * LEAST_ALPHA;
+    return n->peak >= view->camera->near_depth && n->peak <= view->camera->far_depth &&
+           0.5 * tau * view->least_peak * fmax(1 - 0.5 * n->m2, rim) >= 1.001 * LEAST_ALPHA;
 }
 
 bool axis_hits(const struct axis_kernel *kernel, double tau, double px, double py)
@@ -314,6 +314,10 @@ bool axis_hits(const struct axis_kernel *kernel, double tau, double px, double p
         return axis_disc_hits(&kernel->disc, px, py);
     struct vec3 v = axis_ray(&view->rays, px, py);
     struct approach n = approach(view, kernel->centre, v, px, py);
+    if (n.m2 > KERNEL_REACH * KERNEL_REACH)
+        return false;
+    if (is_plain(view, &n, tau))
+        return true;
     double t = fmin(fmax(n.peak, camera->near_depth), camera->far_depth);
     if (n.m2 + n.a * (t - n.peak) * (t - n.peak) > KERNEL_REACH * KERNEL_REACH)
         return false;

@@ -57,6 +57,7 @@ struct axis_view {
     double half[3];                /* of the box around a kernel's reach, camera frame */
     double white[3][3];            /* world to where the kernel is the unit Gaussian, rows */
     double amplitude;
+    double least_peak;      /* of a voxel of tau 1: no more than its greatest optical depth */
     double reach[3][3];     /* ellipsoid, disc: its axes' components in the camera frame, times the
                                reach */
     struct range_view look; /* ellipsoids: weighs them */
@@ -79,10 +80,5 @@ bool axis_pixels(const struct axis_kernel *kernel, struct axis_rectangle *rectan
 /* Has the kernel a fragment at that place of the picture? As docs/axis.md defines it. tau: of a
  * disc unused. */
 bool axis_hits(const struct axis_kernel *kernel, double tau, double px, double py);
-
-/* Certain of a voxel's fragment there, without its exact opacity: the ray passes within its reach,
- * and what its optical depth through the centre is at least, `peak`, leaves a margin. */
-bool axis_nearly_meets(const struct axis_view *view, const double centre[3], double peak, double px,
-                       double py);
 
 #endif

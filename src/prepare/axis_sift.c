@@ -17,10 +17,9 @@ struct sifting {
     struct axis_view view;
     struct axis_lists *lists;
     struct axis_region region[AXIS_WALKS];
-    unsigned walks;    /* with a weight somewhere in the picture */
-    bool everywhere;   /* one list, whatever the rays */
-    uint8_t *whole;    /* of each block: the walks with a weight on all of it */
-    double least_peak; /* of a voxel of tau 1: no more than its greatest optical depth */
+    unsigned walks;  /* with a weight somewhere in the picture */
+    bool everywhere; /* one list, whatever the rays */
+    uint8_t *whole;  /* of each block: the walks with a weight on all of it */
 };
 
 /* A region is convex: it holds a block when it holds its corners. */
@@ -52,14 +51,6 @@ static void open_range(void *context, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static bool hits(const struct sifting *s, const struct axis_kernel *kernel, double tau, double x,
-                 double y)
-{
-    return (s->view.shape == AXIS_VOXELS &&
-            axis_nearly_meets(&s->view, kernel->centre, tau * s->least_peak, x, y)) ||
-           axis_hits(kernel, tau, x, y);
-}
-
 /* Has the kernel a fragment in the region? */
 static bool draws(const struct sifting *s, unsigned w, const struct axis_rectangle *r,
                   const struct axis_kernel *kernel, double tau)
@@ -70,7 +61,7 @@ static bool draws(const struct sifting *s, unsigned w, const struct axis_rectang
         for (int64_t px = r->x0; px <= r->x1; px++) {
             double x = (double)px + 0.5, y = (double)py + 0.5;
             if ((s->everywhere || axis_region_holds(&s->region[w], x, y)) &&
-                hits(s, kernel, tau, x, y))
+                axis_hits(kernel, tau, x, y))
                 return true;
         }
     return false;
@@ -89,19 +80,22 @@ static void find_blocks(const struct sifting *s, const struct axis_rectangle *r,
         }
 }
 
-/* A fragment on the middle pixel, as most have, answers for every walk that has all the blocks; the
- * rest is asked pixel by pixel. */
+/* A fragment on the middle pixel, as most have, answers for every walk that has all the blocks, or
+ * that pixel; the rest is asked pixel by pixel. */
 static unsigned walks_of(const struct sifting *s, const struct axis_rectangle *r,
                          const struct axis_kernel *kernel, double tau)
 {
     double x = (double)((r->x0 + r->x1) / 2) + 0.5, y = (double)((r->y0 + r->y1) / 2) + 0.5;
     unsigned open, whole, drawn = 0;
     find_blocks(s, r, &open, &whole);
-    if (open && hits(s, kernel, tau, x, y))
+    bool middle = open && axis_hits(kernel, tau, x, y);
+    if (middle)
         drawn = whole;
     for (unsigned w = 0, rest = open & ~drawn; rest >> w; w++)
         if (rest >> w & 1)
-            drawn |= (unsigned)draws(s, w, r, kernel, tau) << w;
+            drawn |= (unsigned)((middle && axis_region_holds(&s->region[w], x, y)) ||
+                                draws(s, w, r, kernel, tau))
+                     << w;
     return drawn;
 }
 
@@ -179,9 +173,6 @@ enum stp_result axis_sift(const struct stp_env *env, const struct stp_scene *sce
     if (!s.whole)
         return log_no_memory(env, blocks, "the walks of blocks");
     s.view.disc_look = lists->look;
-    if (s.view.shape == AXIS_VOXELS)
-        s.least_peak = kernel_amplitude() * sqrt(2 * M_PI) * KERNEL_SIGMA *
-                       volume_finest(&scene->volume->grid);
     find_walks(camera, &s);
     parallel_for(env, blocks, 1024, open_range, &s);
     parallel_for(env, count, GRAIN, sift_range, &s);

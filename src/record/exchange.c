@@ -19,6 +19,7 @@ struct exchange {
     uint32_t first, count; /* pixels of the chunk */
     uint32_t hits;
     uint64_t *sums;             /* of the chunk */
+    uint32_t stride;            /* of those, words a pixel */
     unsigned words;             /* values a hit */
     unsigned of[STP_SUM_WORDS]; /* SUMS: which words of a pixel's sums they are */
 };
@@ -97,7 +98,7 @@ uint32_t record_ghost_input(const struct record_frame *frame, uint32_t id, uint3
 /* --- a chunk of the sums, as the host sees it --------------------------------------------------
  */
 
-#define PIXEL_BYTES (STP_SUM_WORDS * sizeof(uint64_t))
+#define PIXEL_BYTES (x->stride * sizeof(uint64_t))
 
 static enum stp_result open_chunk(struct exchange *x)
 {
@@ -125,7 +126,7 @@ static void gather_keys(struct exchange *x)
 {
     uint64_t first = x->scene->share.first;
     for (uint32_t i = 0; i < x->count; i++) {
-        uint64_t key = x->sums[i * STP_SUM_WORDS];
+        uint64_t key = x->sums[i * x->stride];
         x->share->values[i] = (int64_t)(key == STP_SUMS_NONE ? key : key + first);
     }
 }
@@ -135,7 +136,7 @@ static void take_keys(struct exchange *x)
     x->hits = 0;
     for (uint32_t i = 0; i < x->count; i++) {
         uint64_t key = (uint64_t)x->share->values[i];
-        x->sums[i * STP_SUM_WORDS] = key;
+        x->sums[i * x->stride] = key;
         if (key != STP_SUMS_NONE)
             x->share->hit[x->hits++] = i;
     }
@@ -164,7 +165,7 @@ static void gather_winners(struct exchange *x)
     for (uint32_t h = 0; h < x->hits; h++) {
         struct winner winner = { 0 };
         size_t i;
-        if (is_mine(x, (uint32_t)x->sums[x->share->hit[h] * STP_SUM_WORDS], &i)) {
+        if (is_mine(x, (uint32_t)x->sums[x->share->hit[h] * x->stride], &i)) {
             memcpy(winner.normal, s->normal[i], sizeof winner.normal);
             winner.tag = s->object ? (uint32_t)s->object[i] << 8 : 0;
             winner.input = s->input[i];
@@ -211,7 +212,7 @@ static enum stp_result place_winners(struct exchange *x)
     uint32_t own = (uint32_t)plan_splats(plan);
     for (uint32_t h = 0; h < x->hits; h++) {
         uint32_t pixel = x->share->hit[h];
-        uint64_t *key = &x->sums[pixel * STP_SUM_WORDS];
+        uint64_t *key = &x->sums[pixel * x->stride];
         struct winner winner = { 0 };
         size_t id;
         memcpy(&winner, x->share->values + h * x->words, x->words * sizeof(int64_t));
@@ -261,7 +262,7 @@ static enum stp_result exchange_sums(struct exchange *x)
     int64_t *values = x->share->values;
     x->hits = 0;
     for (uint32_t i = 0; i < x->count; i++) {
-        const uint64_t *sums = &x->sums[i * STP_SUM_WORDS];
+        const uint64_t *sums = &x->sums[i * x->stride];
         if (sums[0] == STP_SUMS_NONE)
             continue;
         for (unsigned w = 0; w < x->words; w++)
@@ -273,8 +274,7 @@ static enum stp_result exchange_sums(struct exchange *x)
         return STP_OK;
     for (uint32_t h = 0; h < x->hits; h++)
         for (unsigned w = 0; w < x->words; w++)
-            x->sums[x->share->hit[h] * STP_SUM_WORDS + x->of[w]] =
-                (uint64_t)values[h * x->words + w];
+            x->sums[x->share->hit[h] * x->stride + x->of[w]] = (uint64_t)values[h * x->words + w];
     return flag_blocks(x);
 }
 
@@ -309,9 +309,12 @@ enum stp_result record_exchange(const struct stp_env *env, struct record_frame *
                                 const struct stp_scene *scene, const struct plan_pass *pass,
                                 uint32_t sample, enum stp_result mine)
 {
-    struct exchange x = {
-        .env = env, .frame = frame, .share = frame->share, .scene = scene, .sample = sample
-    };
+    struct exchange x = { .env = env,
+                          .frame = frame,
+                          .share = frame->share,
+                          .scene = scene,
+                          .sample = sample,
+                          .stride = plan_sum_words(frame->plan) };
     uint32_t pixels = (uint32_t)plan_pixels(frame->plan);
     choose_words(&x, pass);
     for (x.first = 0; x.first < pixels && !x.share->agreed; x.first += RECORD_CHUNK) {

@@ -166,8 +166,8 @@ enum stp_result record_upload_homes(const struct stp_env *env, struct record_fra
  * loop, and what comes after takes one of its own: a part that loops is run while `remaining` is
  * set, which the part before it has left too.
  * Where processes exchange, a part ends before each exchange, and the next begins after it.
- * Where points come in chunks, a part is one chunk of one sample: before it the caller brings the
- * chunk's points to the device. */
+ * Where points come in chunks, a part is one chunk of one sample, with the passes that take it, or
+ * that take it again: before it the caller brings the chunk's points to the device. */
 #define RECORD_SAMPLES   16
 #define RECORD_TURNS     16
 #define RECORD_MAX_STEPS (PLAN_MAX_PASSES * RECORD_SAMPLES)
@@ -176,7 +176,8 @@ struct record_steps {
     uint32_t count, before, repeated;
     uint32_t first, length; /* of the passes that are repeated */
     uint32_t first_sample, first_pass;
-    uint32_t chunk;    /* of points; the images keep what the chunks before left */
+    uint32_t chunk;    /* of points */
+    bool keeps;        /* the images hold what the chunks before left */
     uint32_t exchange; /* pass that processes exchange by after it; RECORD_NO_PASS: none */
     bool loops;        /* turns of one sample's loop */
     bool last;         /* outputs are handed to the host after it */

@@ -102,7 +102,7 @@ static enum stp_result run_tile(const struct stp_env *env, struct record_frame *
             continue;
         }
         if (frame->plan->chunk_count)
-            result = record_upload_chunk(env, frame, scene, part % frame->plan->chunk_count);
+            result = record_upload_chunk(env, frame, scene, record_steps(frame->plan, part).chunk);
         if (result == STP_OK)
             result = run_part(env, frame, tile, part, pass_ms != NULL);
         if (result == STP_OK && pass_ms)

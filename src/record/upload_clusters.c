@@ -8,11 +8,14 @@
 #include "record/record.h"
 
 #define OPEN_CONE 2    /* no direction is behind it */
-#define SLACK     1e-4 /* of the sine: normals are packed in 32 bits, the device rounds */
+#define SLACK     2e-4 /* of the sine: normals and axes are packed in 32 bits, the device rounds */
 
 struct cluster {
     float center[3], radius; /* of a ball about the centres, relative to the origin */
-    float axis[3], sine;     /* of a cone about the normals */
+    uint32_t axis;           /* octahedral; of a cone about the normals */
+    float sine;
+    float reach; /* the largest of the discs' radii */
+    uint32_t pad;
 };
 
 struct clusters {
@@ -20,13 +23,6 @@ struct clusters {
     size_t first, count; /* points */
     struct cluster *out;
 };
-
-static void store(struct vec3 v, float out[3])
-{
-    out[0] = (float)v.x;
-    out[1] = (float)v.y;
-    out[2] = (float)v.z;
-}
 
 static struct vec3 place_of(const struct splats *s, size_t i)
 {
@@ -45,7 +41,9 @@ static void enclose(const struct splats *s, size_t first, size_t end, struct clu
     center = v3_scale(v3_add(low, high), 0.5);
     for (size_t i = first; i < end; i++)
         radius = fmax(radius, v3_length(v3_sub(place_of(s, i), center)));
-    store(center, out->center);
+    out->center[0] = (float)center.x;
+    out->center[1] = (float)center.y;
+    out->center[2] = (float)center.z;
     out->radius = (float)radius;
 }
 
@@ -58,8 +56,17 @@ static void bundle(const struct splats *s, size_t first, size_t end, struct clus
     struct vec3 axis = v3_unit(sum);
     for (size_t i = first; i < end; i++)
         least = fmin(least, v3_dot(axis, v3_loadf(s->normal[i])));
-    store(axis, out->axis);
+    const float direction[3] = { (float)axis.x, (float)axis.y, (float)axis.z };
+    out->axis = record_octahedral(direction);
     out->sine = least > SLACK ? (float)(sqrt(1 - least * least) + SLACK) : OPEN_CONE;
+}
+
+static float largest_radius(const struct splats *s, size_t first, size_t end)
+{
+    float largest = 0;
+    for (size_t i = first; i < end; i++)
+        largest = fmaxf(largest, s->radius[i]);
+    return largest;
 }
 
 static void make_clusters(void *context, size_t begin, size_t end, unsigned worker)
@@ -70,6 +77,8 @@ static void make_clusters(void *context, size_t begin, size_t end, unsigned work
         last = c->first + (last < c->count ? last : c->count);
         enclose(c->splats, c->first + first, last, &c->out[i]);
         bundle(c->splats, c->first + first, last, &c->out[i]);
+        c->out[i].reach = largest_radius(c->splats, c->first + first, last);
+        c->out[i].pad = 0;
     }
 }
 

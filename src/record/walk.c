@@ -1,52 +1,6 @@
-/* Barriers come from what passes declare: a hazard on any resource asks for one memory barrier. */
+/* The passes of a plan, one after another; what they wait for: hazards.h. */
+#include "record/hazards.h"
 #include "record/record.h"
-
-struct scope {
-    VkPipelineStageFlags2 stages;
-    VkAccessFlags2 access;
-};
-
-/* What has touched each resource since it was last waited for. */
-struct hazards {
-    struct scope written[PLAN_MAX_RESOURCES];
-    VkPipelineStageFlags2 read[PLAN_MAX_RESOURCES];
-};
-
-static struct scope attachment_scope(const struct plan_resource *resource)
-{
-    if (resource->format == PLAN_D32F)
-        return (struct scope){ VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |
-                                   VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT,
-                               VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_READ_BIT |
-                                   VK_ACCESS_2_DEPTH_STENCIL_ATTACHMENT_WRITE_BIT };
-    return (struct scope){ VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT,
-                           VK_ACCESS_2_COLOR_ATTACHMENT_READ_BIT |
-                               VK_ACCESS_2_COLOR_ATTACHMENT_WRITE_BIT };
-}
-
-static struct scope scope_of(const struct stp_plan *plan, const struct plan_pass *pass,
-                             const struct plan_access *access)
-{
-    const struct plan_resource *resource = &plan->resource[access->resource];
-    if (pass->kind == PLAN_FILL || pass->kind == PLAN_ARGUMENTS || pass->kind == PLAN_COPY_DEPTH)
-        return (struct scope){ VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT,
-                               VK_ACCESS_2_TRANSFER_WRITE_BIT };
-    if (access->kind & PLAN_ATTACHMENT)
-        return attachment_scope(resource);
-    struct scope scope = { pass->kind == PLAN_DRAW ? VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |
-                                                         VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT
-                                                   : VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT,
-                           0 };
-    if (access->kind & PLAN_READ)
-        scope.access |= VK_ACCESS_2_SHADER_READ_BIT; /* as storage or as texels */
-    if (access->kind & PLAN_WRITE)
-        scope.access |= VK_ACCESS_2_SHADER_STORAGE_WRITE_BIT;
-    if (pass->kind == PLAN_DISPATCH_INDIRECT && resource->slot == PLAN_WORK) {
-        scope.stages |= VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT;
-        scope.access |= VK_ACCESS_2_INDIRECT_COMMAND_READ_BIT;
-    }
-    return scope;
-}
 
 static void barrier(struct record_frame *frame, VkCommandBuffer commands,
                     const VkMemoryBarrier2 *memory)
@@ -57,34 +11,11 @@ static void barrier(struct record_frame *frame, VkCommandBuffer commands,
     frame->context->vk.vkCmdPipelineBarrier2(commands, &info);
 }
 
-/* Adds what this access must wait for, and notes it for those that follow. */
-static void collect(const struct stp_plan *plan, const struct plan_pass *pass,
-                    const struct plan_access *access, struct hazards *hazards,
-                    VkMemoryBarrier2 *memory)
-{
-    uint8_t r = access->resource;
-    struct scope scope = scope_of(plan, pass, access);
-    bool writes = (access->kind & PLAN_WRITE) != 0;
-    if (hazards->written[r].stages || (writes && hazards->read[r])) {
-        memory->srcStageMask |= hazards->written[r].stages | (writes ? hazards->read[r] : 0);
-        memory->srcAccessMask |= hazards->written[r].access;
-        memory->dstStageMask |= scope.stages;
-        memory->dstAccessMask |= scope.access;
-    }
-    if (writes) {
-        hazards->written[r] = scope;
-        hazards->read[r] = 0;
-    } else {
-        hazards->read[r] |= scope.stages;
-    }
-}
-
 static void synchronise(struct record_frame *frame, VkCommandBuffer commands,
                         const struct plan_pass *pass, struct hazards *hazards, bool skip)
 {
     VkMemoryBarrier2 memory = { .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2 };
-    for (unsigned i = 0; i < pass->access_count; i++)
-        collect(frame->plan, pass, &pass->access[i], hazards, &memory);
+    hazards_add(hazards, frame->plan, pass, &memory);
     if (memory.srcStageMask && !skip)
         barrier(frame, commands, &memory);
 }
@@ -256,19 +187,38 @@ static struct record_steps steps_between(const struct stp_plan *plan, uint32_t p
     return steps;
 }
 
-/* A part of one chunk: the first begins its sample, the last goes on to the picture. */
+/* Of a sample: one a chunk, and where passes take the chunks again, one more for each but the last,
+ * which is still there and goes on with them. */
+static uint32_t chunk_parts(const struct stp_plan *plan)
+{
+    return plan->again_end ? 2 * plan->chunk_count - 1 : plan->chunk_count;
+}
+
+/* Where the passes of a chunk's part end, which is not the last of its sample. */
+static uint32_t chunk_part_end(const struct stp_plan *plan, uint32_t turn)
+{
+    return turn + 1 < plan->chunk_count ? plan->chunk_end : plan->again_end;
+}
+
+/* A part of one chunk: the first begins its sample, the last goes on to the picture. Again, chunks
+ * come from the last to the first. */
 static struct record_steps steps_of_chunk(const struct stp_plan *plan, uint32_t part)
 {
-    uint32_t sample = part / plan->chunk_count, chunk = part % plan->chunk_count;
-    bool last = chunk + 1 == plan->chunk_count, ends = last && sample + 1 == plan_samples(plan);
-    uint32_t first = chunk > 0 ? plan->chunk_first : part > 0 ? plan->repeat_first : 0;
-    uint32_t end = ends ? plan->pass_count : last ? plan->repeat_end : plan->chunk_end;
+    uint32_t parts = chunk_parts(plan), sample = part / parts, turn = part % parts;
+    uint32_t chunks = plan->chunk_count, chunk = turn < chunks ? turn : 2 * (chunks - 1) - turn;
+    bool last = turn + 1 == parts, ends = last && sample + 1 == plan_samples(plan);
+    uint32_t first = turn >= chunks ? plan->again_first
+                     : turn > 0     ? plan->chunk_first
+                     : sample > 0   ? plan->repeat_first
+                                    : 0;
+    uint32_t end = ends ? plan->pass_count : last ? plan->repeat_end : chunk_part_end(plan, turn);
     return (struct record_steps){ .plan = plan,
                                   .count = end - first,
                                   .before = end - first,
                                   .first_sample = sample,
                                   .first_pass = first,
                                   .chunk = chunk,
+                                  .keeps = turn > 0,
                                   .exchange = RECORD_NO_PASS,
                                   .last = ends };
 }
@@ -276,7 +226,7 @@ static struct record_steps steps_of_chunk(const struct stp_plan *plan, uint32_t 
 uint32_t record_parts(const struct stp_plan *plan)
 {
     if (plan->chunk_count)
-        return plan_samples(plan) * plan->chunk_count;
+        return plan_samples(plan) * chunk_parts(plan);
     if (plan->loop_first)
         return 2 * plan_samples(plan) + 1;
     uint32_t count = exchanges(plan);
@@ -354,7 +304,7 @@ void record_walk(struct record_frame *frame, VkCommandBuffer commands, const str
     timed = timed && frame->queries;
     if (timed)
         frame->context->vk.vkCmdResetQueryPool(commands, frame->queries, 0, steps.count + 1);
-    begin(frame, commands, steps.chunk > 0);
+    begin(frame, commands, steps.keeps);
     frame->resources.points = points_of(plan, steps.chunk);
     write_constants(frame, commands, tile);
     bind(frame, commands);

@@ -93,21 +93,41 @@ static void *must(void *pointer)
     return pointer;
 }
 
+static struct winners nothing(const struct stp_camera *camera)
+{
+    struct winners w = { .width = camera->width, .height = camera->height };
+    size_t seen = (size_t)w.width * w.height;
+    w.depth = must(malloc(seen * sizeof *w.depth));
+    w.reach = must(malloc(seen * sizeof *w.reach));
+    for (size_t i = 0; i < seen; i++)
+        w.depth[i] = w.reach[i] = INFINITY;
+    return w;
+}
+
+struct winners winners_of_all(const struct stp_scene *scene, const struct stp_camera *camera,
+                              const struct stp_render_params *params)
+{
+    struct winners w = nothing(camera);
+    struct field f = { 0 };
+    struct point p;
+    eye_init(&f.eye, camera, scene->splats.origin);
+    for (size_t i = 0; i < scene->splats.count; i++)
+        if (load_point(&f, scene, params->cull == STP_CULL_BACK, i, &p))
+            cover(&f, &p, &w);
+    return w;
+}
+
 struct winners winners_find(const struct stp_scene *scene, const struct stp_camera *camera,
                             const struct stp_render_params *params)
 {
     struct field f = { .width = camera->width + 2 * GUARD, .height = camera->height + 2 * GUARD };
-    struct winners w = { .width = camera->width, .height = camera->height };
-    size_t all = (size_t)f.width * f.height, seen = (size_t)w.width * w.height;
+    struct winners w = nothing(camera);
+    size_t all = (size_t)f.width * f.height;
     bool culled = params->cull == STP_CULL_BACK;
     struct point p;
     f.winner = must(malloc(all * sizeof *f.winner));
     f.depth = must(malloc(all * sizeof *f.depth));
-    w.depth = must(malloc(seen * sizeof *w.depth));
-    w.reach = must(malloc(seen * sizeof *w.reach));
     memset(f.winner, 0xff, all * sizeof *f.winner);
-    for (size_t i = 0; i < seen; i++)
-        w.depth[i] = w.reach[i] = INFINITY;
     eye_init(&f.eye, camera, scene->splats.origin);
     for (size_t i = 0; i < scene->splats.count; i++)
         if (load_point(&f, scene, culled, i, &p))

@@ -15,6 +15,9 @@ struct winners {
 /* Without a screen-space floor, whatever the parameters say. Release with winners_release. */
 struct winners winners_find(const struct stp_scene *scene, const struct stp_camera *camera,
                             const struct stp_render_params *params);
+/* The same of all points, whether or not they won: all that a picture can show. */
+struct winners winners_of_all(const struct stp_scene *scene, const struct stp_camera *camera,
+                              const struct stp_render_params *params);
 void winners_release(struct winners *winners);
 
 #endif

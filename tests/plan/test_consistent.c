@@ -82,9 +82,11 @@ static void check_resources(const struct stp_plan *plan)
         assert_true(r->name[0] && r->bytes > 0);
         assert_false(slot[r->slot]);
         slot[r->slot] = true;
-        bool fetched = r->format == PLAN_TEXELS_RG32UI || r->format == PLAN_TEXELS_R32UI;
         bool slots = r->slot == PLAN_KEYS || r->slot == PLAN_SLOT_IDS;
-        assert_true(fetched ? slots : (r->format == PLAN_BUFFER) == (r->slot < PLAN_BUFFER_SLOTS));
+        bool words = r->format == PLAN_TEXELS_RG32UI || r->format == PLAN_TEXELS_R32UI;
+        bool records = r->slot == PLAN_PROJECTED && r->format == PLAN_TEXELS_RGBA32UI;
+        assert_true(records || words ? records || slots
+                                     : (r->format == PLAN_BUFFER) == (r->slot < PLAN_BUFFER_SLOTS));
         for (uint32_t p = 0; p < plan->pass_count; p++)
             for (unsigned a = 0; a < plan->pass[p].access_count; a++)
                 used |= plan->pass[p].access[a].resource == i;

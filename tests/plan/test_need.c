@@ -168,6 +168,10 @@ static void faded_deep(struct inputs *in)
     fade_inputs(in, false);
     in->params.deep = true;
 }
+static void large(struct inputs *in)
+{
+    in->scene->facts.radius_max = 2;
+}
 static void gpu(struct inputs *in)
 {
     in->limits.processor = 2;
@@ -257,6 +261,10 @@ static const struct feature {
     { "splats that are shaded", shade_splats, TWO_PASS, NULL, NULL, PLAN_SHADE, 1 },
     { "splats that are shaded", shade_splats, TWO_PASS_RASTER, "+color sum", NULL, PLAN_SHADE, 1 },
     { "flat splats", shade_flat, TWO_PASS, NULL, "-sum", PLAN_SHADE, 2 },
+    { "large splats", large, TWO_PASS, "+bins", "+bin", PLAN_BINS, 1 },
+    { "large splats", large, TWO_PASS, "+records", "+sum binned", -1, 0 },
+    { "large splats", large, ALL & ~TWO_PASS, NULL, NULL, PLAN_BINS, 0 },
+    { "ellipses", ellipses, TWO_PASS, NULL, "+resolve vanished", -1, 0 },
     { "light cube", light_cube, ALL, "+light cube", "+light cube", PLAN_LIGHT_CUBE, 1 },
 
     { "deep, opaque", deep, ALL, NULL, NULL, PLAN_DEEP, 0 },

@@ -26,6 +26,8 @@ static unsigned access_of(const struct stp_plan *plan, const char *pass, enum pl
  * may touch more than STP_LARGE_AREA pixels, seen from their rim, by a workgroup each. */
 static void test_levels(void **state)
 {
+    static const char *const far_passes[] = { "clear limits", "rim clusters", "rim find",
+                                              "rim take", "rim shade" };
     static const struct {
         double diameter;
         uint32_t levels;
@@ -39,7 +41,10 @@ static void test_levels(void **state)
         in.scene->facts.radius_max = (float)(cases[i].diameter / 2 * 3 / 500);
         struct stp_plan *plan = plan_of(&in);
         assert_int_equal(plan->levels, cases[i].levels);
-        assert_int_equal(pass_named(plan, "rim find") != NULL, cases[i].far);
+        for (unsigned k = 0; k < 5; k++)
+            assert_int_equal(pass_named(plan, far_passes[k]) != NULL, cases[i].far);
+        assert_int_equal(resource_named(plan, "reaching") != NULL, cases[i].far);
+        assert_int_equal(plan->again_end != 0, cases[i].far);
         assert_int_equal(pass_named(plan, "rim splat, large") != NULL, cases[i].large);
         assert_int_equal(plan->constant[PLAN_RIM_FAR], cases[i].far);
         stp_plan_destroy(&plan);
@@ -60,14 +65,25 @@ static void test_accesses(void **state)
                   { "push 0 and shade", PLAN_KEYS, 0, PLAN_WRITE },
                   { "push 0 and shade", PLAN_OUT_DEPTH, PLAN_WRITE, PLAN_WRITE },
                   { "rim near", PLAN_WORK, PLAN_READ, both },
-                  { "rim near", PLAN_RIM, PLAN_READ, PLAN_READ },
+                  { "rim near", PLAN_RIM, PLAN_READ, both },
                   { "rim near", PLAN_KEYS, 0, PLAN_WRITE },
                   { "rim near", PLAN_OUT_DEPTH, both, both },
-                  { "rim find", PLAN_RIM, 0, PLAN_WRITE },
+                  { "project", PLAN_WORK, 0, PLAN_WRITE },
+                  { "project", PLAN_TEXEL_CLUSTERS, 0, PLAN_READ },
+                  { "rim clusters", PLAN_WORK, 0, both },
+                  { "rim clusters", PLAN_LARGE, 0, PLAN_WRITE },
+                  { "rim find", PLAN_WORK, 0, both },
+                  { "rim find", PLAN_LARGE, 0, both },
+                  { "rim find", PLAN_RIM, 0, 0 },
+                  { "rim splat", PLAN_LARGE, 0, PLAN_READ },
                   { "rim splat", PLAN_RIM, 0, PLAN_READ },
+                  { "rim splat", PLAN_IMAGE_PYRAMID, 0, 0 },
+                  { "rim take", PLAN_WORK, 0, both },
+                  { "rim take", PLAN_KEYS, 0, PLAN_READ },
+                  { "rim take", PLAN_IMAGE_PYRAMID, 0, PLAN_WRITE },
                   { "rim splat", PLAN_KEYS, 0, both },
                   { "rim shade", PLAN_WORK, 0, PLAN_READ },
-                  { "rim shade", PLAN_RIM, 0, 0 },
+                  { "rim shade", PLAN_RIM, 0, PLAN_READ },
                   { "rim shade", PLAN_KEYS, 0, PLAN_READ },
                   { "rim shade", PLAN_OUT_DEPTH, 0, both } };
     for (int far = 0; far < 2; far++) {
@@ -213,24 +229,27 @@ static void test_without_atomics(void **state)
     release_inputs(&in);
 }
 
-/* Clusters are there where some can go: back faces, or what lies beyond the picture. 32 bytes each.
- */
+/* Clusters are there where some can go, back faces or what lies beyond the picture, or where discs
+ * reach far. 32 bytes each. */
 static void test_clusters(void **state)
 {
     static const struct {
         enum stp_cull cull;
         double focal;
-        bool wanted;
-    } cases[] = { { STP_CULL_NONE, 300, false },
-                  { STP_CULL_BACK, 300, true },
-                  { STP_CULL_NONE, 30000, true } };
+        float radius;
+        bool culled, wanted;
+    } cases[] = { { STP_CULL_NONE, 300, 0.001f, false, false },
+                  { STP_CULL_NONE, 300, 0.1f, false, true },
+                  { STP_CULL_BACK, 300, 0.001f, true, true },
+                  { STP_CULL_NONE, 30000, 0.00001f, true, true } };
     for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
         struct inputs in = pyramid_inputs();
         in.camera = plain_camera(1000, 700, cases[i].focal);
         in.params.cull = cases[i].cull;
+        in.scene->facts.radius_max = cases[i].radius;
         struct stp_plan *plan = plan_of(&in);
         const struct plan_resource *clusters = resource_named(plan, "clusters");
-        assert_int_equal(plan->constant[PLAN_CULL_CLUSTERS], cases[i].wanted);
+        assert_int_equal(plan->constant[PLAN_CULL_CLUSTERS], cases[i].culled);
         assert_int_equal(clusters != NULL, cases[i].wanted);
         if (clusters)
             assert_int_equal(clusters->bytes, (100 + STP_CLUSTER - 1) / STP_CLUSTER * 32);

@@ -23,9 +23,9 @@ static void put_sized(struct buffer *buffer, enum body body, const void *data, s
 
 static void put_value(struct buffer *buffer, enum body body, int type, double value)
 {
-    int8_t i8 = (int8_t)value;
+    int8_t i8 = (int8_t)(int)value;
     uint8_t u8 = (uint8_t)(int)value;
-    int16_t i16 = (int16_t)value;
+    int16_t i16 = (int16_t)(int)value;
     uint16_t u16 = (uint16_t)(int)value;
     int32_t i32 = (int32_t)value;
     uint32_t u32 = (uint32_t)(int64_t)value;

@@ -151,6 +151,71 @@ static void nifti_is_turned_to_the_world(void **state)
     drop(&b);
 }
 
+/* The affine's columns are the steps, whatever pixdim says; NaN is how some write no slope. */
+static void nifti_of_an_affine_that_pixdim_contradicts(void **state)
+{
+    const float srow[12] = { 0, 3, 0, 10, 0, 0, 4, 20, -2, 0, 0, 30 }, wrong = 9;
+    struct buffer b = make_nifti(16, false, srow, NAN);
+    for (size_t i = 1; i < 4; i++)
+        put_at(b.data, 76 + 4 * i, &wrong, 4, false);
+    put_voxels(&b, "f", false);
+    struct seen seen;
+    struct grid grid;
+    assert_int_equal(read_volume(&b, &seen, &grid), STP_OK);
+    assert_true(grid.spacing[0] == 3 && grid.spacing[1] == 4 && grid.spacing[2] == 2);
+    assert_true(grid.high == voxel(NX - 1, NY - 1, NZ - 1) && grid.low == 0);
+    grid_release(&grid);
+    drop(&b);
+}
+
+/* A left-handed space must not make a mirror image: its x runs against the world's. With directions
+ * and without, before them and after. */
+static void nrrd_of_left_handed_spaces(void **state)
+{
+    static const char *const fields[] = {
+        "space: left-anterior-superior\nspace directions: (2,0,0) (0,1,0) (0,0,1)\n"
+        "space origin: (5,6,7)\n",
+        "space directions: (2,0,0) (0,1,0) (0,0,1)\nspace origin: (5,6,7)\nspace: LAS\n",
+        "space: 3D-left-handed\nspacings: 2 1 1\n",
+        "space: RAS\nspace directions: (2,0,0) (0,1,0) (0,0,1)\nspace origin: (5,6,7)\n",
+    };
+    for (int n = 0; n < 4; n++) {
+        struct buffer b = { 0 };
+        struct seen seen;
+        struct grid grid;
+        put_text(&b,
+                 "NRRD0004\ntype: int16_t\ndimension: 3\nsizes: %d %d %d\n%s"
+                 "endian: little\nencoding: RAW\n\n",
+                 NX, NY, NZ, fields[n]);
+        put_voxels(&b, "s", false);
+        assert_int_equal(read_volume(&b, &seen, &grid), STP_OK);
+        assert_int_equal(seen.warnings, 0);
+        for (int i = 0; i < NX; i++)
+            assert_true((double)grid.value[i] == voxel(n < 3 ? NX - 1 - i : i, 0, 0));
+        assert_true(grid.spacing[0] == 2);
+        if (n != 2) /* voxel 0 lies at x = 5 of the file's space */
+            assert_true(grid.origin[0] == (n < 3 ? -5 - 2.0 * (NX - 1) : 5));
+        grid_release(&grid);
+        drop(&b);
+    }
+}
+
+static void what_is_not_read_is_warned_of(void **state)
+{
+    struct buffer b = { 0 };
+    struct seen seen;
+    struct grid grid;
+    put_text(&b,
+             "NRRD0001\ntype: short\ndimension: 3\nsizes: %d %d %d\naxis mins: 0 0 0\n"
+             "axis maxs: 3 8 4\nendian: little\nencoding: raw\n\n",
+             NX, NY, NZ);
+    put_voxels(&b, "s", false);
+    assert_int_equal(read_volume(&b, &seen, &grid), STP_OK);
+    assert_int_equal(seen.warnings, 1);
+    grid_release(&grid);
+    drop(&b);
+}
+
 static void nrrd_raw_and_gzip(void **state)
 {
     for (int packed = 0; packed < 2; packed++) {
@@ -190,7 +255,8 @@ static void metaimage_and_inrimage(void **state)
     struct seen seen;
     struct grid grid;
     put_text(&b,
-             "ObjectType = Image\nNDims = 3\nDimSize = %d %d %d\nElementSpacing = 1 1 3\n"
+             "Comment = made by a test\nObjectType = Image\nNDims = 3\nBinaryData = True\n"
+             "DimSize = %d %d %d\nElementSpacing = 1 1 3\n"
              "ElementType = MET_FLOAT\nElementByteOrderMSB = False\nElementDataFile = LOCAL\n",
              NX, NY, NZ);
     put_voxels(&b, "f", false);
@@ -250,6 +316,9 @@ static void what_is_wrong_is_said(void **state)
            "spacing");
     refuse(text_of("NDims = 2\nDimSize = 4 4\nElementDataFile = LOCAL\n"), "dimensions");
     refuse(text_of("NDims = 3\nDimSize = 1 1 1\nElementType = MET_UCHAR\n"), "ElementDataFile");
+    refuse(text_of("NDims = 3\nBinaryData = False\nDimSize = 1 1 1\nElementType = MET_UCHAR\n"
+                   "ElementDataFile = LOCAL\n7\n"),
+           "BinaryData");
     refuse(text_of("not a volume at all"), "not a volume");
 }
 
@@ -322,6 +391,9 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(nifti_of_types_and_byte_orders),
         cmocka_unit_test(nifti_is_turned_to_the_world),
+        cmocka_unit_test(nifti_of_an_affine_that_pixdim_contradicts),
+        cmocka_unit_test(nrrd_of_left_handed_spaces),
+        cmocka_unit_test(what_is_not_read_is_warned_of),
         cmocka_unit_test(nrrd_raw_and_gzip),
         cmocka_unit_test(metaimage_and_inrimage),
         cmocka_unit_test(what_is_wrong_is_said),

@@ -7,6 +7,7 @@
 #include "volumes.h"
 
 #define MARCH_SIDE_MOST 24
+#define MARCH_RIM       1e-3 /* of m^2; tests/pass/marched.h: floats know it to 5e-4 */
 
 struct march {
     uint32_t dims[3];
@@ -84,9 +85,16 @@ static inline void march_aim(const struct stp_camera *c, double px, double py, d
     *depth = 1 / length;
 }
 
-/* Those whose least deviation from the ray is at most 3. */
+/* Optical depth of the whole ray. */
+static inline double march_depth(const struct march_kernel *k)
+{
+    return k->tau_a * exp(-0.5 * k->m2) * sqrt(2 * M_PI / k->b);
+}
+
+/* Those whose least deviation from the ray is at most 3. *rim: optical depth of those for which
+ * floats may decide that otherwise. */
 static inline size_t march_find(const struct march *m, const double from[3], const double along[3],
-                                struct march_kernel *found)
+                                struct march_kernel *found, double *rim)
 {
     const double sigma = 0.55;
     double amplitude = 1 / (pow(2 * M_PI, 1.5) * pow(sigma, 3) * (1 - exp(-4.5))),
@@ -118,6 +126,7 @@ static inline size_t march_find(const struct march *m, const double from[3], con
                 }
                 k.voxel = i;
                 k.key = k.at;
+                *rim += fabs(k.m2 - 9) <= MARCH_RIM ? march_depth(&k) : 0;
                 if (k.m2 <= 9)
                     found[count++] = k;
             }
@@ -130,12 +139,6 @@ static inline int march_nearer(const void *a, const void *b)
     if (x->key != y->key)
         return x->key < y->key ? -1 : 1;
     return (x->voxel > y->voxel) - (x->voxel < y->voxel);
-}
-
-/* Optical depth of the whole ray. */
-static inline double march_depth(const struct march_kernel *k)
-{
-    return k->tau_a * exp(-0.5 * k->m2) * sqrt(2 * M_PI / k->b);
 }
 
 /* sum: premultiplied colour, alpha, and depth by alpha. Emission and absorption of their sum, by
@@ -172,34 +175,92 @@ static inline void march_through(const struct march_kernel *k, size_t count, dou
     }
 }
 
+/* A ray cut into cells of half a deviation, and what of a kernel's layers lies before each. All
+ * kernels of a ray have one deviation. */
+struct march_cells {
+    double first, width, sigma;
+    size_t count;
+    double *before;        /* of kernel i and cell g at i * count + g: the share of i's layers */
+    double *ahead;         /* of a cell: optical depth of what lies before it for certain */
+    double *light, *apart; /* of a pair's exchange in a cell: light left, and that times how far */
+};
+
+static inline struct march_cells march_cut(const struct march_kernel *k, size_t count)
+{
+    struct march_cells c = { .sigma = 1 / sqrt(k[0].b), .first = INFINITY };
+    double last = -INFINITY;
+    for (size_t i = 0; i < count; i++) {
+        c.first = fmin(c.first, k[i].at - 7 * c.sigma); /* beyond are 2e-12 */
+        last = fmax(last, k[i].at + 7 * c.sigma);
+    }
+    c.width = 0.5 * c.sigma;
+    c.count = (size_t)((last - c.first) / c.width) + 2;
+    c.before = calloc((count + 3) * c.count, sizeof *c.before);
+    assert_non_null(c.before);
+    c.ahead = c.before + count * c.count;
+    c.light = c.ahead + c.count;
+    c.apart = c.light + c.count;
+    for (size_t i = 0; i < count; i++)
+        for (size_t g = 0; g < c.count; g++) {
+            double u = (c.first + (double)g * c.width - k[i].at) / c.sigma;
+            c.before[i * c.count + g] = u > 7 ? 1 : u < -7 ? 0 : 0.5 * erfc(-u / M_SQRT2);
+        }
+    return c;
+}
+
+/* Of kernel i, the nearer one of a pair in the kernels' order. */
+static inline void march_light(struct march_cells *c, const struct march_kernel *k, size_t i)
+{
+    double x = march_depth(&k[i]);
+    for (size_t g = 0; g < c->count; g++) {
+        double u = (c->first + (double)g * c->width - k[i].at) / c->sigma;
+        double before = c->before[i * c->count + g];
+        c->ahead[g] += x * before;
+        double left = exp(-c->ahead[g]);
+        c->light[g] = left * (1 - before);
+        c->apart[g] = left * c->sigma * (exp(-0.5 * u * u) / sqrt(2 * M_PI) - u * (1 - before));
+    }
+}
+
 /* What kernels one by one, in the order of their keys, may be off the medium at most: three
  * colours, and depth by alpha. The medium is thin layers, each of one kernel, in the order of their
  * depths; the kernels are the same layers in another order. To exchange two neighbouring layers of
- * optical depths x and y changes a colour by at most x y times the difference of theirs, since no
- * more than all light is left; and it takes one exchange of each pair that stands the other way
- * round. Of kernels i before j that is the share of layers' pairs in which i's is the farther:
- * depths of layers are normal, their difference too. With u = that difference over its deviation,
- * the share is P(u < 0), and the mean of -u there is what such pairs are apart. A kernel's own
- * layers, taken to be where it is greatest, are half of what it takes to reverse them, x^2 / 4 E|t
- * - t'|. */
+ * optical depths x and y changes a colour by T x y times the difference of theirs, T the light that
+ * is left there; and it takes one exchange of each pair that stands the other way round, no other.
+ * So what is before both layers in both orders is before them when they are exchanged: for a layer
+ * of i at t, one of j at t' < t, and i before j, the layers before t' of i and of all kernels
+ * before it. T is at most what these leave: taken, with the share of i's layers beyond t' and how
+ * far they are, at the beginning of the cell of t', since all three decrease. A kernel's own
+ * layers, taken to be where it is greatest, are half of what it takes to reverse them,
+ * x^2 / 4 E|t - t'|. */
 static inline void march_exchanges(struct march_kernel *k, size_t count, double depth,
                                    double most[4])
 {
     memset(most, 0, 4 * sizeof *most);
+    if (count == 0)
+        return;
     qsort(k, count, sizeof *k, march_nearer);
+    struct march_cells c = march_cut(k, count);
     for (size_t i = 0; i < count; i++) {
-        double x = march_depth(&k[i]), apart = sqrt(2 / k[i].b);
+        double x = march_depth(&k[i]);
         most[3] += x * x / 2 / sqrt(M_PI * k[i].b) * depth;
+        march_light(&c, k, i);
         for (size_t j = i + 1; j < count; j++) {
-            double u = (k[j].at - k[i].at) / apart, pair = x * march_depth(&k[j]);
-            if (u > 7) /* P < 2e-12 */
+            if (k[j].at - k[i].at > 14 * c.sigma)
                 continue;
-            double share = 0.5 * erfc(u / M_SQRT2);
+            const double *before = c.before + j * c.count;
+            double pair = x * march_depth(&k[j]), share = 0, apart = 0;
+            size_t begin = (size_t)((k[j].at - 7 * c.sigma - c.first) / c.width);
+            for (size_t g = begin; g + 1 < c.count && g < begin + 30; g++) {
+                share += (before[g + 1] - before[g]) * c.light[g];
+                apart += (before[g + 1] - before[g]) * c.apart[g];
+            }
             for (int n = 0; n < 3; n++)
                 most[n] += pair * share * fabs(k[i].color[n] - k[j].color[n]);
-            most[3] += pair * apart * (exp(-0.5 * u * u) / sqrt(2 * M_PI) - u * share) * depth;
+            most[3] += pair * apart * depth;
         }
     }
+    free(c.before);
 }
 
 /* One by one, the nearest first. */
@@ -221,6 +282,7 @@ static inline void march_sorted(struct march_kernel *k, size_t count, double dep
 /* A pixel's ray and what it meets. */
 struct march_ray {
     double from[3], along[3], depth;
+    double rim, finest, coarsest; /* finest, coarsest: spacings */
     size_t count;
     struct march_kernel found[MARCH_SIDE_MOST * MARCH_SIDE_MOST * MARCH_SIDE_MOST];
 };
@@ -229,59 +291,10 @@ static inline void march_pixel(const struct march *m, const struct stp_camera *c
                                uint32_t y, struct march_ray *r)
 {
     march_aim(camera, x + 0.5, y + 0.5, r->from, r->along, &r->depth);
-    r->count = march_find(m, r->from, r->along, r->found);
-}
-
-/* The kernels in the order along an axis, or, axis 3, of their distance from the eye. */
-static inline void march_order(struct march_ray *r, bool orthographic, unsigned axis)
-{
-    for (size_t i = 0; i < r->count; i++) {
-        double squared = 0, ahead = 0;
-        for (int a = 0; a < 3; a++) {
-            double d = r->found[i].place[a] - r->from[a];
-            squared += d * d;
-            ahead += d * r->along[a];
-        }
-        double apart = orthographic ? ahead : squared;
-        r->found[i].key =
-            axis < 3 ? r->found[i].place[axis] * (r->along[axis] < 0 ? -1 : 1) : apart;
-    }
-}
-
-static inline unsigned march_dominant(const double v[3])
-{
-    unsigned most = 0;
-    for (unsigned a = 1; a < 3; a++)
-        most = fabs(v[a]) > fabs(v[most]) ? a : most;
-    return most;
-}
-
-/* march_exchanges of a merge, h = 0.85: of each order as much as HM Eq. 1 takes of it. */
-static inline void march_merge(struct march_ray *r, const struct stp_camera *camera,
-                               enum stp_axis_merge merge, double most[4])
-{
-    const double *m = camera->world_to_camera, forward[3] = { -m[8], -m[9], -m[10] };
-    double weight[4] = { 0 }, total = 0;
-    double size = fabs(r->along[march_dominant(r->along)]);
-    if (merge == STP_AXIS_SORT)
-        weight[3] = 1;
-    else if (merge != STP_AXIS_BLEND)
-        weight[march_dominant(merge == STP_AXIS_CLIP ? r->along : forward)] = 1;
-    for (unsigned a = 0; a < 3 && merge == STP_AXIS_BLEND; a++)
-        weight[a] = pow(fmax(0, (fabs(r->along[a]) / size - 0.85) / 0.15), 2);
-    memset(most, 0, 4 * sizeof *most);
-    for (unsigned a = 0; a < 4; a++) {
-        double one[4];
-        if (weight[a] == 0)
-            continue;
-        march_order(r, camera->orthographic, a);
-        march_exchanges(r->found, r->count, r->depth, one);
-        for (int n = 0; n < 4; n++)
-            most[n] += weight[a] * one[n];
-        total += weight[a];
-    }
-    for (int n = 0; n < 4; n++)
-        most[n] /= total;
+    r->rim = 0;
+    r->finest = fmin(fmin(m->spacing[0], m->spacing[1]), m->spacing[2]);
+    r->coarsest = fmax(fmax(m->spacing[0], m->spacing[1]), m->spacing[2]);
+    r->count = march_find(m, r->from, r->along, r->found, &r->rim);
 }
 
 /* Views from outside, some by perspective: spacing 1 : 1 : 1, then 1 : 1 : 10. */
