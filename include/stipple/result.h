@@ -59,6 +59,12 @@ struct stp_env {
     void *user;
 };
 
+/* A text file, as a profile, statistics or a plan in words: the text and a newline. As every file
+ * that is written: beside its place, then renamed, so that what was there before stays whole when
+ * it fails; with the rights of any new file. */
+STP_API enum stp_result stp_text_save(const struct stp_env *env, const char *path,
+                                      const char *text);
+
 #ifdef __cplusplus
 }
 #endif

@@ -5,6 +5,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "scene/camera.h"
 #include "scene/scene.h"
 
 #define MOST_SPLATS (UINT32_MAX / 3) /* a draw counts three vertices a splat */
@@ -53,10 +54,8 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
     if (params->epsilon != 0 && !(params->epsilon >= 1e-30 && params->epsilon <= 1e30))
         return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g is not in 1e-30 .. 1e30",
                          params->epsilon);
-    if (!(camera->fx > 0) || !(camera->fy > 0) || !(camera->near_depth < camera->far_depth) ||
-        (!camera->orthographic && !(camera->near_depth > 0)))
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "the camera needs positive focal lengths and 0 < near < far");
+    if (camera_check(env, camera) != STP_OK)
+        return STP_ERROR_ARGUMENT;
     if (params->samples > STP_MAX_SAMPLES)
         return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", params->samples,
                          STP_MAX_SAMPLES);
@@ -130,6 +129,7 @@ static struct stp_plan *start(const struct stp_scene *scene, const struct stp_ca
     made->params = *params;
     made->camera = *camera;
     made->facts = scene->facts;
+    made->version = scene->version;
     made->share = (struct plan_share){ scene->share.rank, scene->share.count, scene->splats.count };
     if (scene->stream) {
         made->stream_count = scene->stream->chunk_count;

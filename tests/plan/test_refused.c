@@ -104,6 +104,22 @@ static void too_wide(struct inputs *in)
 {
     in->camera.width = 65537;
 }
+static void matrix_not_finite(struct inputs *in)
+{
+    in->camera.world_to_camera[6] = NAN;
+}
+static void place_not_finite(struct inputs *in)
+{
+    in->camera.world_to_camera[11] = INFINITY;
+}
+static void centre_not_finite(struct inputs *in)
+{
+    in->camera.cy = NAN;
+}
+static void focal_not_finite(struct inputs *in)
+{
+    in->camera.fx = INFINITY;
+}
 static void near_is_far(struct inputs *in)
 {
     in->camera.far_depth = in->camera.near_depth;
@@ -271,6 +287,10 @@ static const struct {
     { no_width, STP_ERROR_ARGUMENT, "0 x 48" },
     { no_height, STP_ERROR_ARGUMENT, "64 x 0" },
     { too_wide, STP_ERROR_ARGUMENT, "65537 x 48" },
+    { matrix_not_finite, STP_ERROR_ARGUMENT, "matrix element or the centre is not finite" },
+    { place_not_finite, STP_ERROR_ARGUMENT, "matrix element or the centre is not finite" },
+    { centre_not_finite, STP_ERROR_ARGUMENT, "matrix element or the centre is not finite" },
+    { focal_not_finite, STP_ERROR_ARGUMENT, "focal" },
     { near_is_far, STP_ERROR_ARGUMENT, "near < far" },
     { near_beyond_far, STP_ERROR_ARGUMENT, "near < far" },
     { near_is_zero, STP_ERROR_ARGUMENT, "near < far" },

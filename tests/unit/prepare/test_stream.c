@@ -1,6 +1,8 @@
 /* A cloud that stays in its file is, chunk by chunk, the scene that reading it whole gives. */
 #include "clouds.h"
 
+#include <stipple/fit.h>
+
 #include <stdio.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -326,8 +328,11 @@ static void test_refused(void **state)
     assert_non_null(strstr(heard.last, "--stream off"));
     assert_int_equal(stp_scene_cover(&env, scene, NULL), STP_ERROR_ARGUMENT);
     assert_int_equal(stp_scene_save(&env, scene, "/tmp/never"), STP_ERROR_ARGUMENT);
+    assert_int_equal(stp_scene_fit(&env, scene, &(struct stp_fit_params){ .tolerance = 0.1 }, NULL),
+                     STP_ERROR_ARGUMENT);
+    assert_non_null(strstr(heard.last, "fitting takes all points in memory"));
     assert_int_equal(stp_scene_add_points(&env, scene, &point, NULL), STP_ERROR_ARGUMENT);
-    assert_int_equal(heard.errors, 4);
+    assert_int_equal(heard.errors, 5);
     stp_scene_destroy(&scene);
     unlink(file.path);
 }
