@@ -1,6 +1,5 @@
 /* Where results go: checked before anything is computed, written beside their place, renamed. */
 #include <errno.h>
-#include <fcntl.h>
 #include <libgen.h>
 #include <pthread.h>
 #include <signal.h>
@@ -53,52 +52,11 @@ bool output_possible(struct console *console, const char *path, const struct set
     return directory_writable(console, path);
 }
 
-static bool write_and_rename(FILE *stream, const char *text, const char *temporary,
-                             const char *path)
-{
-    bool whole = fputs(text, stream) >= 0 && fputc('\n', stream) != EOF;
-    whole = fclose(stream) == 0 && whole;
-    if (whole && rename(temporary, path) == 0)
-        return true;
-    int error = errno;
-    unlink(temporary);
-    errno = error;
-    return false;
-}
-
-/* Beside `path`: opened, with the rights that a new file has. NULL: errno says why. */
-static FILE *open_temporary(char *temporary)
-{
-    int fd = mkstemp(temporary);
-    if (fd < 0)
-        return NULL;
-    mode_t mask = umask(0);
-    umask(mask);
-    fchmod(fd, 0666 & ~mask);
-    FILE *stream = fdopen(fd, "w");
-    if (!stream) {
-        int error = errno;
-        close(fd);
-        unlink(temporary);
-        errno = error;
-    }
-    return stream;
-}
-
 bool output_text(struct console *console, const char *path, const char *text)
 {
-    char *temporary = NULL;
-    if (asprintf(&temporary, "%s.XXXXXX", path) < 0) {
-        console_error(console, "out of memory");
-        return false;
-    }
     signals_hold();
-    FILE *stream = open_temporary(temporary);
-    bool done = stream && write_and_rename(stream, text, temporary, path);
-    if (!done)
-        console_error(console, "%s: cannot write: %s", path, strerror(errno));
+    bool done = stp_text_save(&console->env, path, text) == STP_OK;
     signals_release();
-    free(temporary);
     return done;
 }
 

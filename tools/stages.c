@@ -99,8 +99,8 @@ bool camera_usage_right(const struct settings *settings)
     return false;
 }
 
-static enum stp_result frame_scene(const struct settings *settings, const struct stp_scene *scene,
-                                   struct stp_camera *camera)
+static enum stp_result frame_scene(const struct stp_env *env, const struct settings *settings,
+                                   const struct stp_scene *scene, struct stp_camera *camera)
 {
     struct stp_frame_params frame = settings->frame;
     frame.up = settings->load.up;
@@ -108,7 +108,7 @@ static enum stp_result frame_scene(const struct settings *settings, const struct
         frame.azimuth = STP_ISO_AZIMUTH;
         frame.elevation = STP_ISO_ELEVATION;
     }
-    return stp_camera_frame(scene, &frame, camera);
+    return stp_camera_frame(env, scene, &frame, camera);
 }
 
 int find_camera(struct console *console, const struct settings *settings,
@@ -123,7 +123,7 @@ int find_camera(struct console *console, const struct settings *settings,
             stp_camera_load(&console->env, settings->camera, frame, width, height, camera, count));
     if (!frames_scene(settings) && stp_scene_camera(scene, width, height, camera))
         return EXIT_DONE;
-    return exit_of_input(frame_scene(settings, scene, camera));
+    return exit_of_input(frame_scene(&console->env, settings, scene, camera));
 }
 
 static int cover_if_needed(struct console *console, const struct settings *settings,

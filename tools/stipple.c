@@ -22,8 +22,10 @@ static const struct command commands[] = {
         "render",
         COMMAND_RENDER,
         "SCENE -o OUT.exr [options]",
-        "a picture of a point file or a scene .json, as float EXR",
-        "SCENE is a point file (PLY, LAS, PCD, xyz text, OFF, OBJ; gzip of any) or a scene .json. "
+        "a picture of points, a volume or range images, as float EXR",
+        "SCENE is a point file (PLY, LAS, PCD, xyz text, OFF, OBJ), a volume (NIfTI, NRRD, "
+        "MetaImage, "
+        "INRIMAGE, raw), gzip of any, a folder of range images or a scene .json. "
         "Missing normals and radii are estimated, the scene is framed, and a light at the eye is "
         "lit: no option is needed. Lengths are in scene units, angles in degrees.",
         "  stipple render scan.ply -o scan.exr\n"
@@ -142,6 +144,15 @@ static int run_command(const struct command *command, int argc, char **argv)
     }
 }
 
+static int no_such_command(const char *word)
+{
+    char names[256] = "";
+    for (size_t i = 0, used = 0; i < COMMANDS && used < sizeof names; i++)
+        used += (size_t)snprintf(names + used, sizeof names - used, "%s%s", i > 0 ? ", " : "",
+                                 commands[i].name);
+    return wrong_usage(NULL, "no command '%s': %s", word, names);
+}
+
 int main(int argc, char **argv)
 {
     if (argc < 2) {
@@ -163,6 +174,5 @@ int main(int argc, char **argv)
             help_all(stdout, commands, COMMANDS);
         return finish(EXIT_DONE);
     }
-    return wrong_usage(NULL, "no command '%s': info, render, plan, prepare, compare, devices",
-                       argv[1]);
+    return no_such_command(argv[1]);
 }

@@ -46,10 +46,12 @@ struct stp_image {
     struct stp_deep *deep; /* owned; NULL: none, or one layer a pixel, which is the planes' */
 };
 
-STP_API enum stp_result stp_image_create(uint32_t width, uint32_t height, struct stp_image **image);
-/* Adds a zeroed plane; the pointer is valid until the next add. */
-STP_API enum stp_result stp_image_add(struct stp_image *image, const char *name,
-                                      enum stp_channel_type type, struct stp_channel **channel);
+STP_API enum stp_result stp_image_create(const struct stp_env *env, uint32_t width, uint32_t height,
+                                         struct stp_image **image);
+/* Adds a zeroed plane, of a name that is not there yet; the pointer is valid until the next add. */
+STP_API enum stp_result stp_image_add(const struct stp_env *env, struct stp_image *image,
+                                      const char *name, enum stp_channel_type type,
+                                      struct stp_channel **channel);
 STP_API struct stp_channel *stp_image_find(const struct stp_image *image, const char *name);
 STP_API void stp_image_destroy(struct stp_image **image);
 

@@ -63,6 +63,9 @@ enum stp_shade {
 enum stp_cull { STP_CULL_NONE = 0, STP_CULL_BACK };
 
 #define STP_DEFAULT_PEEL_LAYERS 8
+#define STP_DEFAULT_MIN_SPLAT   1.5  /* pixels */
+#define STP_DEFAULT_AXIS_H      0.85 /* HM 5.2 */
+#define STP_MAX_SAMPLES         65536
 
 /* Extra channels beside R G B A Z N.X N.Y N.Z, or-ed. */
 enum stp_aov {
@@ -114,14 +117,16 @@ struct stp_render_params {
                                    nowhere measured faster (docs/phong.md) */
     enum stp_cull cull;
     double epsilon;   /* 0: each object's own */
-    double min_splat; /* least diameter of a projected splat, pixels; 0: 1.5; negative: off */
-    unsigned samples; /* stratified samples a pixel, at most 65536, rounded up to a square; 0: 1;
-                         raster paths have no more than 1 */
+    double min_splat; /* least diameter of a projected splat, pixels; 0: STP_DEFAULT_MIN_SPLAT;
+                         negative: off */
+    unsigned samples; /* stratified samples a pixel, at most STP_MAX_SAMPLES, rounded up to a
+                         square; 0: 1; raster paths have no more than 1 */
     unsigned aovs;    /* enum stp_aov, or-ed */
     bool deep;        /* the picture keeps its layers one by one: stp_image.deep */
     enum stp_axis_merge axis_merge;
     double axis_h;           /* axis, blend: [0, 1), lists whose axis has more than this share of
-                                the dominant one are merged; 0: 0.85; negative: 0 */
+                                the dominant one are merged; 0: STP_DEFAULT_AXIS_H;
+                                negative: 0 */
     const float *background; /* NULL: none (alpha 0), or linear RGBA composited behind */
     bool environment_behind; /* the scene's environment in the place of that background */
     bool local_viewer;       /* half vectors from the point, not the axis */
@@ -242,6 +247,7 @@ STP_API void stp_plan_summarize(const struct stp_plan *plan, struct stp_plan_sum
 STP_API char *stp_plan_print(const struct stp_plan *plan);
 STP_API void stp_plan_destroy(struct stp_plan **plan);
 
+/* As the command writes them; NULL: no such value. */
 STP_API const char *stp_method_name(enum stp_method method);
 STP_API const char *stp_transparency_name(enum stp_transparency transparency);
 STP_API const char *stp_path_name(enum stp_path path);

@@ -49,14 +49,15 @@ struct stp_render_stats {
     double frame_ms_min, frame_ms_median, frame_ms_max; /* warm, record to fence, all tiles */
     unsigned pass_count;
     struct stp_pass_time pass[STP_MAX_PASSES];
-    uint64_t splats_drawn; /* splats with a fragment in the picture; 0: not counted */
     uint64_t bytes_scene, bytes_transient, bytes_peak;
 };
 
 /* Renders the plan: uploads, records, submits, waits, reads back. repeat frames are timed after
  * the first (0: none). context may be NULL for the reference method only. stats may be NULL. *image
- * is the caller's: stp_image_destroy. The plan must have been made for this scene, as it is grouped
- * now, and for the context's limits. */
+ * is the caller's: stp_image_destroy. The plan must have been made for the context's limits, and of
+ * this scene as it now is: STP_ERROR_ARGUMENT where the scene was fitted, shared, or got another
+ * transfer function or environment since; was grouped again, and the plan is of method deferred; or
+ * was covered again, and the plan composites fast or nearest. Lights are the plan's. */
 STP_API enum stp_result stp_render(const struct stp_env *env, struct stp_context *context,
                                    const struct stp_scene *scene, const struct stp_plan *plan,
                                    unsigned repeat, struct stp_image **image,

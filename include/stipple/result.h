@@ -34,6 +34,15 @@ enum stp_result {
 /* A short English phrase, never NULL; static storage. */
 STP_API const char *stp_result_text(enum stp_result result);
 
+/* The version of these headers; test for one with STP_VERSION_NUMBER >= 100 (0.1.0). */
+#define STP_VERSION_MAJOR                      0
+#define STP_VERSION_MINOR                      1
+#define STP_VERSION_PATCH                      0
+#define STP_VERSION_NUMBER                     (10000 * STP_VERSION_MAJOR + 100 * STP_VERSION_MINOR + STP_VERSION_PATCH)
+#define STP_VERSION                            STP_VERSION_TEXT(STP_VERSION_MAJOR, STP_VERSION_MINOR, STP_VERSION_PATCH)
+#define STP_VERSION_TEXT(major, minor, patch)  STP_VERSION_TEXT_(major, minor, patch)
+#define STP_VERSION_TEXT_(major, minor, patch) #major "." #minor "." #patch
+
 /* The library's version, "major.minor.patch"; static storage. */
 STP_API const char *stp_version(void);
 
@@ -49,6 +58,12 @@ struct stp_env {
     void (*progress)(void *user, const char *stage, double fraction);
     void *user;
 };
+
+/* A text file, as a profile, statistics or a plan in words: the text and a newline. As every file
+ * that is written: beside its place, then renamed, so that what was there before stays whole when
+ * it fails; with the rights of any new file. */
+STP_API enum stp_result stp_text_save(const struct stp_env *env, const char *path,
+                                      const char *text);
 
 #ifdef __cplusplus
 }

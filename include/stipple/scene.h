@@ -120,7 +120,7 @@ STP_API enum stp_result stp_scene_set_transfer_function(const struct stp_env *en
                                                         const struct stp_volume_params *params);
 /* At most STP_MAX_LIGHTS; count 0 restores the head light. */
 #define STP_MAX_LIGHTS 8
-STP_API enum stp_result stp_scene_set_lights(struct stp_scene *scene,
+STP_API enum stp_result stp_scene_set_lights(const struct stp_env *env, struct stp_scene *scene,
                                              const struct stp_light *lights, unsigned count);
 
 struct stp_prepare_params {
@@ -210,7 +210,7 @@ struct stp_facts {
     size_t bad_phong;   /* ellipses that are not finite, flat or skew: drawn as discs instead */
     size_t no_normal;   /* splats that face the eye: no normal could be estimated */
     enum stp_normals normals;
-    bool has_color, has_opacity, two_sided;
+    bool has_color, two_sided;
     bool transparent;     /* some splat's opacity is below 1 */
     bool mixed;           /* and some splat's is 1: opaque things among transparent ones */
     bool uniform_opacity; /* the splats of each object share one opacity */

@@ -46,7 +46,7 @@ struct stp_frame_params {
  * the scene touches both margins of the side that binds and is centred along the other. near_depth
  * is 1e-4 of the depth of the nearest splat, far_depth INFINITY. The scene must be prepared. NULL
  * params: iso, 30 degrees, 1280 x 720. */
-STP_API enum stp_result stp_camera_frame(const struct stp_scene *scene,
+STP_API enum stp_result stp_camera_frame(const struct stp_env *env, const struct stp_scene *scene,
                                          const struct stp_frame_params *params,
                                          struct stp_camera *camera);
 

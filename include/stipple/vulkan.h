@@ -89,29 +89,38 @@ struct stp_resident;
 
 /* Splats in a buffer of the host's, used without a copy, for points that move: an array of
  *   float position[3], radius; float normal[3]; uint32_t tag;
- * 32 bytes each, positions relative to facts.origin, tag = group | object << 8, in the scene's
- * canonical order when the picture is to have the same bits for any order of points. */
+ * 32 bytes each, positions relative to facts.origin, tag = group | STP_SPLAT_* | object << 8, in
+ * the scene's canonical order when the picture is to have the same bits for any order of points.
+ * The group, below STP_MAX_GROUPS, is what stp_scene_group found; it counts for method deferred,
+ * and must be below the groups of the plan's scene. Opacities beside 0 and 1 stay the scene's. */
+#define STP_SPLAT_INVISIBLE 64u  /* of a transparent scene: opacity 0, the splat is not drawn */
+#define STP_SPLAT_OPAQUE    128u /* of a transparent scene: opacity 1, it hides what is behind */
+
 struct stp_resident_params {
     VkBuffer splats; /* VK_NULL_HANDLE: one of our own. Usage: storage, shader device address */
     VkDeviceSize splats_offset; /* a multiple of 16 */
 };
-/* plan: any plan of this scene, with the same epsilon, for every frame that will draw the resident.
- * The scene is not needed afterwards. Its materials come with the resident and with every plan: a
- * frame whose plan has another one is refused when it is recorded. */
+/* plan: of this scene as it now is. It decides which of the scene's buffers are there: a frame's
+ * plan may be another one, of the same scene, grouping and epsilon, for as long as it reads no
+ * others; else stp_frame_record refuses it (the splats' order by group: deferred --path raster
+ * only; the environment, where it is seen). The scene is not needed afterwards. Its materials come
+ * with the resident and with every plan: a frame whose plan has another one is refused, too. */
 STP_API enum stp_result stp_resident_create(const struct stp_env *env, struct stp_context *context,
                                             const struct stp_scene *scene,
                                             const struct stp_plan *plan,
                                             const struct stp_resident_params *params,
                                             struct stp_resident **resident);
-/* Records the copies from staging memory, once, and a barrier that makes them visible to later
- * commands. On a transfer queue: its family as `from`, and stp_resident_record_acquire afterwards
- * on the context's family, with a semaphore between; else from = the context's family. */
+/* Records the copies from staging memory, once and before that is released, and a barrier that
+ * makes them visible to later commands. On a transfer queue: its family as `from`, and
+ * stp_resident_record_acquire afterwards on the context's family, with a semaphore between; else
+ * from = the context's family. */
 STP_API enum stp_result stp_resident_record_upload(const struct stp_env *env,
                                                    struct stp_resident *resident,
                                                    VkCommandBuffer commands, uint32_t from);
 STP_API void stp_resident_record_acquire(struct stp_resident *resident, VkCommandBuffer commands,
                                          uint32_t from);
-/* Once the upload has completed on the device: gives the staging memory back. */
+/* Once the upload has completed on the device: gives the staging memory back. The acquisition may
+ * be recorded before or after. */
 STP_API void stp_resident_release_staging(struct stp_resident *resident);
 /* The buffer of splats, as stp_resident_params says, for a host that rewrites them: its own writes
  * need its own barriers, to VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT and shader reads. */
@@ -162,7 +171,8 @@ struct stp_host_image {
     uint32_t level, layer;
 };
 /* Recording waits for, and makes visible, everything earlier on the queue: full memory barriers
- * stand at both ends, so the host need not add its own. */
+ * stand at both ends, so the host need not add its own; but for stages that only extensions have,
+ * as ray tracing. */
 struct stp_targets {
     struct stp_host_image color;
     struct stp_host_image depth;  /* view VK_NULL_HANDLE: as if there were none */

@@ -55,6 +55,13 @@ void log_progress(const struct stp_env *env, const char *stage, double fraction)
         env->progress(env->user, stage, fraction);
 }
 
+void log_nothing(void *user, enum stp_log_level level, const char *line)
+{
+    (void)user;
+    (void)level;
+    (void)line;
+}
+
 enum stp_result log_no_memory(const struct stp_env *env, size_t bytes, const char *what)
 {
     return log_error(env, STP_ERROR_MEMORY, "out of memory: %zu bytes for %s", bytes, what);

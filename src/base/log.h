@@ -14,6 +14,9 @@ void log_info(const struct stp_env *env, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void log_progress(const struct stp_env *env, const char *stage, double fraction);
 
+/* An stp_env.log that drops every line: of what is only tried, and may fail. */
+void log_nothing(void *user, enum stp_log_level level, const char *line);
+
 /* The same line for every allocation that fails. */
 enum stp_result log_no_memory(const struct stp_env *env, size_t bytes, const char *what);
 

@@ -49,9 +49,11 @@ enum stp_result stp_context_create(const struct stp_env *env,
                                    const struct stp_context_params *params,
                                    struct stp_context **context)
 {
+    static const struct stp_context_params defaults;
     struct stp_context *made = mem_zalloc(1, sizeof *made);
     if (!made)
         return log_no_memory(env, sizeof *made, "the context");
+    params = params ? params : &defaults;
     made->env = env;
     enum stp_result result = gpu_instance_create(env, params->validate, made, &made->instance);
     if (result == STP_OK)

@@ -163,15 +163,8 @@ void gpu_device_memory(struct stp_context *context)
 
 static VkResult create_device(struct stp_context *context)
 {
-    unsigned optional = context->limits.features;
     struct stp_vulkan_features f;
-    stp_vulkan_wanted_features(NULL, &f);
-    f.core.features.shaderFloat64 = (optional & STP_FEATURE_FLOAT64) != 0;
-    f.core.features.shaderStorageImageExtendedFormats =
-        (optional & STP_FEATURE_STORAGE_FORMATS) != 0;
-    f.core.features.independentBlend = (optional & STP_FEATURE_INDEPENDENT_BLEND) != 0;
-    f.v12.shaderBufferInt64Atomics = (optional & STP_FEATURE_INT64_ATOMICS) != 0;
-    f.v12.shaderOutputLayer = (optional & STP_FEATURE_VERTEX_LAYER) != 0;
+    gpu_features_wanted(context->limits.features, &f);
     float priority = 1;
     VkDeviceQueueCreateInfo queue = { .sType = VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO,
                                       .queueFamilyIndex = context->family,

@@ -69,6 +69,13 @@ void stp_vulkan_wanted_features(const struct stp_vulkan_features *supported,
         *field(out, i) = list[i].required || !supported || *field(&all, i);
 }
 
+void gpu_features_wanted(unsigned flags, struct stp_vulkan_features *out)
+{
+    gpu_features_chain(out);
+    for (unsigned i = 0; i < FEATURES; i++)
+        *field(out, i) = list[i].required || (flags & features[i].feature);
+}
+
 const struct stp_vulkan_feature *stp_vulkan_feature_list(unsigned *count)
 {
     *count = FEATURES;

@@ -40,7 +40,7 @@ struct gpu_buffer {
 struct gpu_pending {
     struct gpu_buffer staging;
     VkBuffer target;
-    VkDeviceSize bytes;
+    VkBufferCopy region;
 };
 #define GPU_MOST_PENDING 16
 
@@ -97,6 +97,8 @@ void gpu_features_chain(struct stp_vulkan_features *features);
 /* Appends the names of what is not on; returns how many. */
 unsigned gpu_features_lacking(struct stp_vulkan_features *features, bool required, char *lacks,
                               size_t size);
+/* All that is required, and what is recommended and among `flags`, enum stp_feature. */
+void gpu_features_wanted(unsigned flags, struct stp_vulkan_features *features);
 /* What is on, as enum stp_feature. */
 unsigned gpu_features_flags(struct stp_vulkan_features *features);
 /* The same of a host's chain; an error, that names them, when a required one is off. */
@@ -163,7 +165,7 @@ enum stp_result gpu_begin(const struct stp_env *env, struct stp_context *context
 enum stp_result gpu_submit_and_wait(const struct stp_env *env, struct stp_context *context);
 
 /* Copies into a device buffer, through staging where it is not mapped; an imported context, which
- * may not submit, notes the copy among its pending ones. */
+ * may not submit, notes the copy among its pending ones. Zero bytes are nothing to do. */
 enum stp_result gpu_upload(const struct stp_env *env, struct stp_context *context,
                            struct gpu_buffer *buffer, const void *data, size_t bytes);
 enum stp_result gpu_upload_at(const struct stp_env *env, struct stp_context *context,

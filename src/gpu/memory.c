@@ -77,11 +77,14 @@ enum stp_result memory_allocate(const struct stp_env *env, struct stp_context *c
     const struct stp_device_allocator *host = &context->allocator;
     VkResult result = host->allocate ? host->allocate(host->user, &padded, type, &made.where)
                                      : allocate_own(context, &padded, type, map, &made);
+    bool given = result == VK_SUCCESS || !host->allocate; /* a host that fails has given nothing */
     if (result == VK_SUCCESS && kind != GPU_DEVICE && !made.where.mapped)
         result = VK_ERROR_MEMORY_MAP_FAILED;
     if (result != VK_SUCCESS) {
-        const char *call = made.where.memory ? "vkMapMemory" : "vkAllocateMemory";
-        if (!host->allocate)
+        const char *call = host->allocate      ? "the host's allocator"
+                           : made.where.memory ? "vkMapMemory"
+                                               : "vkAllocateMemory";
+        if (given)
             memory_release(context, &made);
         if (result != VK_ERROR_OUT_OF_DEVICE_MEMORY)
             return gpu_error(env, result, call);

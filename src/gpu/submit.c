@@ -1,8 +1,5 @@
 #include "gpu/gpu.h"
 
-#include <assert.h>
-#include <string.h>
-
 #include "base/log.h"
 
 enum stp_result gpu_begin(const struct stp_env *env, struct stp_context *context)
@@ -46,33 +43,4 @@ enum stp_result gpu_submit_and_wait(const struct stp_env *env, struct stp_contex
     /* What was submitted may still run, and the caller is about to destroy what it uses. */
     context->vk.vkDeviceWaitIdle(context->device);
     return gpu_error(env, status, "vkWaitForFences");
-}
-
-enum stp_result gpu_upload(const struct stp_env *env, struct stp_context *context,
-                           struct gpu_buffer *buffer, const void *data, size_t bytes)
-{
-    if (buffer->mapped && buffer->coherent) {
-        memcpy(buffer->mapped, data, bytes);
-        return STP_OK;
-    }
-    struct gpu_buffer staging;
-    assert(context->pending_count < GPU_MOST_PENDING);
-    enum stp_result result =
-        gpu_buffer_create(env, context, bytes, GPU_UPLOAD, "staging", &staging);
-    if (result != STP_OK)
-        return result;
-    memcpy(staging.mapped, data, bytes);
-    if (context->imported) {
-        context->pending[context->pending_count++] =
-            (struct gpu_pending){ staging, buffer->handle, bytes };
-        return STP_OK;
-    }
-    result = gpu_begin(env, context);
-    if (result == STP_OK) {
-        VkBufferCopy copy = { .size = bytes };
-        context->vk.vkCmdCopyBuffer(context->commands, staging.handle, buffer->handle, 1, &copy);
-        result = gpu_submit_and_wait(env, context);
-    }
-    gpu_buffer_destroy(context, &staging);
-    return result;
 }

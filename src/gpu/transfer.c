@@ -1,6 +1,7 @@
 /* Parts of buffers, to and from the host, between submissions. */
 #include "gpu/gpu.h"
 
+#include <assert.h>
 #include <string.h>
 
 void *gpu_view(const struct gpu_buffer *buffer)
@@ -36,6 +37,7 @@ enum stp_result gpu_upload_at(const struct stp_env *env, struct stp_context *con
                               size_t bytes)
 {
     struct gpu_buffer staging;
+    VkBufferCopy region = { .dstOffset = offset, .size = bytes };
     if (bytes == 0)
         return STP_OK;
     if (gpu_view(buffer)) {
@@ -47,10 +49,21 @@ enum stp_result gpu_upload_at(const struct stp_env *env, struct stp_context *con
     if (result != STP_OK)
         return result;
     memcpy(staging.mapped, data, bytes);
-    VkBufferCopy region = { .dstOffset = offset, .size = bytes };
+    if (context->imported) {
+        assert(context->pending_count < GPU_MOST_PENDING);
+        context->pending[context->pending_count++] =
+            (struct gpu_pending){ staging, buffer->handle, region };
+        return STP_OK;
+    }
     result = copy(env, context, staging.handle, buffer->handle, &region);
     gpu_buffer_destroy(context, &staging);
     return result;
+}
+
+enum stp_result gpu_upload(const struct stp_env *env, struct stp_context *context,
+                           struct gpu_buffer *buffer, const void *data, size_t bytes)
+{
+    return gpu_upload_at(env, context, buffer, 0, data, bytes);
 }
 
 static enum stp_result invalidate(const struct stp_env *env, struct stp_context *context,

@@ -140,15 +140,11 @@ enum stp_result ply_rows_begin(const struct stp_env *env, const struct ply_strea
     return STP_OK;
 }
 
-static void swallow(void *user, enum stp_log_level level, const char *line)
-{
-}
-
 /* What there is to say of the file has been said of its first row. */
 enum stp_result ply_rows_read(const struct stp_env *env, const struct ply_stream *stream,
                               struct ply_rows *rows, struct cloud *cloud)
 {
-    const struct stp_env silent = { .threads = env ? env->threads : 0, .log = swallow };
+    const struct stp_env silent = { .threads = env ? env->threads : 0, .log = log_nothing };
     const struct file_bytes bytes = { .data = rows->data, .size = rows->size };
     enum stp_result result = ply_read(&silent, stream->path, &bytes, &stream->options, cloud);
     mem_free(rows->data);
@@ -204,7 +200,7 @@ enum stp_result ply_stream_open(const struct stp_env *env, const char *path,
                                 struct file_bytes *bytes, const struct load_options *options,
                                 bool radius, struct ply_stream *stream, const char **why)
 {
-    const struct stp_env silent = { .log = swallow };
+    const struct stp_env silent = { .log = log_nothing };
     struct ply_stream made = { .bytes = *bytes, .options = *options };
     struct ply_header header;
     *why = NULL;

@@ -196,6 +196,7 @@ static enum stp_result choose(struct choosing *c, struct stp_choice *choice)
  * no bound to choose by; groups that cover the surface would have to be made to judge the rest. */
 bool stp_choose_estimates(const struct stp_facts *facts, const struct stp_render_params *params)
 {
+    params = plan_params(params);
     enum stp_transparency t = params->transparency;
     if (t == STP_TRANSPARENCY_AUTO && params->method == STP_METHOD_DEFERRED)
         t = STP_TRANSPARENCY_FAST;
@@ -209,6 +210,7 @@ enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
                            const struct stp_render_params *params, const struct stp_limits *limits,
                            struct stp_choice *choice)
 {
+    params = plan_params(params);
     enum stp_result result = scene_check_whole(env, scene, "choosing a method");
     if (result == STP_OK)
         result = plan_check(env, scene, camera, params);

@@ -13,8 +13,7 @@
 #include "scene/scene.h"
 #include "scene/volume.h"
 
-#define DEFAULT_H   0.85 /* HM 5.2 */
-#define MOST_PASSES 64   /* over blocks: parts of walks */
+#define MOST_PASSES 64 /* over blocks: parts of walks */
 _Static_assert(AXIS_BLOCK_WIDTH == STP_AXIS_WIDTH && AXIS_BLOCK_HEIGHT == STP_AXIS_HEIGHT &&
                    MOST_PASSES + 2 <= PLAN_MAX_PASSES,
                "blocks");
@@ -106,7 +105,7 @@ static enum stp_result prepare_blocks(const struct stp_env *env, struct stp_plan
 enum stp_result plan_axis_prepare(const struct stp_env *env, struct stp_plan *plan,
                                   const struct stp_scene *scene)
 {
-    double h = plan->params.axis_h == 0 ? DEFAULT_H : fmax(plan->params.axis_h, 0);
+    double h = plan->params.axis_h == 0 ? STP_DEFAULT_AXIS_H : fmax(plan->params.axis_h, 0);
     if (!(h < 1))
         return log_error(env, STP_ERROR_ARGUMENT, "axis h %g: it must be below 1", h);
     plan->axis = (struct axis_lists){ .merge = plan->params.axis_merge, .h = h };

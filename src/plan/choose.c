@@ -35,6 +35,7 @@ static enum stp_method resolve_method(const struct stp_facts *facts,
 bool stp_plan_needs_groups(const struct stp_facts *facts, const struct stp_render_params *params,
                            const struct stp_limits *limits)
 {
+    params = plan_params(params);
     return !plan_of_medium(facts) && !facts->transparent &&
            resolve_method(facts, params, limits) == STP_METHOD_DEFERRED;
 }

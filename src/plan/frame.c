@@ -215,7 +215,9 @@ void plan_frame_constants(struct stp_plan *plan, const struct stp_scene *scene)
     *f = (struct stp_frame_constants){ 0 };
     transform(plan);
     f->epsilon = (float)(p->epsilon > 0 ? p->epsilon : least_epsilon(scene));
-    f->floor_size = p->min_splat < 0 ? 0 : p->min_splat > 0 ? (float)p->min_splat : 1.5f;
+    f->floor_size = p->min_splat < 0   ? 0
+                    : p->min_splat > 0 ? (float)p->min_splat
+                                       : (float)STP_DEFAULT_MIN_SPLAT;
     f->splat_count = (uint32_t)plan_splats(plan);
     /* All splats may lie in one pixel: their sum stays below 2^63. */
     int exponent = 0, overlap = 0;

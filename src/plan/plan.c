@@ -5,10 +5,42 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "scene/camera.h"
 #include "scene/scene.h"
 
-#define MOST_SAMPLES 65536            /* as of the reference */
-#define MOST_SPLATS  (UINT32_MAX / 3) /* a draw counts three vertices a splat */
+#define MOST_SPLATS (UINT32_MAX / 3) /* a draw counts three vertices a splat */
+
+/* What a caller casts or leaves uninitialised must not index a table. */
+static enum stp_result check_choices(const struct stp_env *env, const struct stp_render_params *p)
+{
+    const struct {
+        const char *what;
+        unsigned value, last;
+    } choice[] = {
+        { "method", p->method, STP_METHOD_AXIS },
+        { "transparency", p->transparency, STP_TRANSPARENCY_REFERENCE },
+        { "layers", p->layers, STP_LAYERS_SINGLE },
+        { "path", p->path, STP_PATH_COMPUTE },
+        { "payload", p->payload, STP_PAYLOAD_PACKED },
+        { "voronoi", p->voronoi, STP_VORONOI_EXACT },
+        { "kernel", p->kernel, STP_KERNEL_GAUSS },
+        { "shade", p->shade, STP_SHADE_FLAT },
+        { "light_cube", p->light_cube, STP_OFF },
+        { "cull", p->cull, STP_CULL_BACK },
+        { "axis_merge", p->axis_merge, STP_AXIS_REFERENCE },
+    };
+    for (size_t i = 0; i < sizeof choice / sizeof *choice; i++)
+        if (choice[i].value > choice[i].last)
+            return log_error(env, STP_ERROR_ARGUMENT, "%s %u: the last there is has number %u",
+                             choice[i].what, choice[i].value, choice[i].last);
+    return STP_OK;
+}
+
+const struct stp_render_params *plan_params(const struct stp_render_params *params)
+{
+    static const struct stp_render_params defaults;
+    return params ? params : &defaults;
+}
 
 enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *scene,
                            const struct stp_camera *camera, const struct stp_render_params *params)
@@ -22,16 +54,17 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
     if (params->epsilon != 0 && !(params->epsilon >= 1e-30 && params->epsilon <= 1e30))
         return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g is not in 1e-30 .. 1e30",
                          params->epsilon);
-    if (!(camera->fx > 0) || !(camera->fy > 0) || !(camera->near_depth < camera->far_depth) ||
-        (!camera->orthographic && !(camera->near_depth > 0)))
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "the camera needs positive focal lengths and 0 < near < far");
-    if (params->samples > MOST_SAMPLES)
+    if (camera_check(env, camera) != STP_OK)
+        return STP_ERROR_ARGUMENT;
+    if (params->samples > STP_MAX_SAMPLES)
         return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", params->samples,
-                         MOST_SAMPLES);
+                         STP_MAX_SAMPLES);
     if (params->environment_behind && !scene->facts.environment_levels)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the background is to be the environment, and the scene has none");
+    enum stp_result result = check_choices(env, params);
+    if (result != STP_OK)
+        return result;
     size_t splats = scene->stream ? scene->facts.splats : scene->splats.count;
     if (splats > MOST_SPLATS)
         return log_error(env, STP_ERROR_ARGUMENT, "%zu splats: at most %u", splats, MOST_SPLATS);
@@ -96,6 +129,7 @@ static struct stp_plan *start(const struct stp_scene *scene, const struct stp_ca
     made->params = *params;
     made->camera = *camera;
     made->facts = scene->facts;
+    made->version = scene->version;
     made->share = (struct plan_share){ scene->share.rank, scene->share.count, scene->splats.count };
     if (scene->stream) {
         made->stream_count = scene->stream->chunk_count;
@@ -116,6 +150,7 @@ enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scen
                                 const struct stp_render_params *params,
                                 const struct stp_limits *limits, struct stp_plan **plan)
 {
+    params = plan_params(params);
     enum stp_result result = plan_check(env, scene, camera, params);
     if (result != STP_OK)
         return result;
@@ -130,10 +165,6 @@ enum stp_result stp_plan_create(const struct stp_env *env, const struct stp_scen
     return result;
 }
 
-static void swallow(void *user, enum stp_log_level level, const char *line)
-{
-}
-
 /* The groups themselves, which only a pass a layer would ask for, are not known: all splats count
  * as the first's. */
 enum stp_result plan_try(const struct stp_env *env, const struct stp_scene *scene,
@@ -141,7 +172,7 @@ enum stp_result plan_try(const struct stp_env *env, const struct stp_scene *scen
                          const struct stp_limits *limits, const struct plan_candidate *candidate,
                          const struct stp_grouping *grouping, struct stp_plan **plan)
 {
-    const struct stp_env quiet = { .threads = env ? env->threads : 0, .log = swallow };
+    const struct stp_env quiet = { .threads = env ? env->threads : 0, .log = log_nothing };
     struct stp_plan *made = start(scene, camera, params, limits);
     if (!made)
         return log_no_memory(env, sizeof *made, "a plan");
@@ -221,22 +252,28 @@ void stp_plan_summarize(const struct stp_plan *plan, struct stp_plan_summary *su
     };
 }
 
+/* A number that is cast to an enum may be anything. */
+static const char *name_of(const char *const *names, size_t count, unsigned value)
+{
+    return value < count ? names[value] : NULL;
+}
+#define NAME_OF(names, value) name_of(names, sizeof names / sizeof *names, (unsigned)(value))
+
 const char *stp_method_name(enum stp_method method)
 {
     static const char *const names[] = { "auto",      "deferred", "two-pass", "exact",
                                          "reference", "pyramid",  "axis" };
-    return names[method];
+    return NAME_OF(names, method);
 }
 
 const char *stp_transparency_name(enum stp_transparency transparency)
 {
-    static const char *const names[] = { "auto",  "fast",      "nearest", "peel",
-                                         "exact", "reference", "axis" };
-    return names[transparency];
+    static const char *const names[] = { "auto", "fast", "nearest", "peel", "exact", "reference" };
+    return NAME_OF(names, transparency);
 }
 
 const char *stp_path_name(enum stp_path path)
 {
     static const char *const names[] = { "auto", "raster", "compute" };
-    return names[path];
+    return NAME_OF(names, path);
 }

@@ -9,6 +9,7 @@
 #include "plan/steps.h"
 #include "prepare/axis_blocks.h"
 #include "scene/stream.h"
+#include "scene/version.h"
 #include "shared/frame.h"
 
 #define PLAN_MAX_CHUNKS 256
@@ -43,7 +44,8 @@ struct stp_plan {
     struct stp_facts facts;
     struct stp_limits limits;
     struct plan_share share;
-    float background[4]; /* params.background points here, or is NULL */
+    struct scene_version version; /* that the plan was made of */
+    float background[4];          /* params.background points here, or is NULL */
     char why[512];
     uint32_t constant[PLAN_CONSTANTS];
     struct stp_light lights[STP_MAX_LIGHTS]; /* of the scene */
@@ -80,6 +82,8 @@ struct stp_plan {
     uint32_t cover_first[STP_MAX_GROUPS + 1]; /* fast, nearest: members of a group there */
 };
 
+/* plan/plan.c: params, or the defaults where NULL. */
+const struct stp_render_params *plan_params(const struct stp_render_params *params);
 /* plan/plan.c: can these be planned with at all? Logs why not. */
 enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *scene,
                            const struct stp_camera *camera, const struct stp_render_params *params);
@@ -203,6 +207,16 @@ enum stp_result plan_behind_host(const struct stp_env *env, struct stp_plan *pla
                                  enum plan_host_depth depth);
 /* The eye depth that ends each pixel's ray; nothing where no host's depth does. */
 void plan_limits(struct stp_plan *plan);
+
+/* plan/version.c: which part of `version` is not what the plan was made of: "scene", "content",
+ * "grouping" or "cover"; NULL: the plan is for it. The grouping matters only to a plan of the
+ * deferred method, the cover only where the plan takes its groups. Lights, and how the scene is to
+ * be framed, are copied by the plan: they may change. */
+struct stp_scene;
+const char *plan_differs(const struct stp_plan *plan, const struct scene_version *version);
+/* The same of a scene as it is now, as an error. */
+enum stp_result plan_check_scene(const struct stp_env *env, const struct stp_plan *plan,
+                                 const struct stp_scene *scene);
 
 /* plan/plan.c */
 enum stp_result plan_copy(const struct stp_env *env, const struct stp_plan *plan,

@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/mix.h"
 #include "base/thread.h"
 #include "reference/reference.h"
 
@@ -25,13 +26,6 @@ struct making {
     uint8_t *near_cell;     /* of each splat */
     size_t capacity, count; /* fragments */
 };
-
-static uint32_t mix(uint32_t h)
-{
-    h = (h ^ h >> 16) * 0x85ebca6bu;
-    h = (h ^ h >> 13) * 0xc2b2ae35u;
-    return h ^ h >> 16;
-}
 
 static unsigned common_divisor(unsigned a, unsigned b)
 {
@@ -68,7 +62,7 @@ static void place_cells(struct making *m, const struct probe_sample *sample)
     unsigned parts = places ? (unsigned)((places + sample->cells - 1) / sample->cells) : 1;
     uint64_t turn = (uint64_t)sample->part * stride_of(parts);
     for (size_t run = 0; run * parts < places; run++) {
-        size_t at = run * parts + (turn + mix((uint32_t)run + 1)) % parts;
+        size_t at = run * parts + (turn + mix_bits((uint32_t)run + 1)) % parts;
         if (at >= places) /* the last run is short */
             continue;
         uint32_t b = m->cell_of[at / BLOCK_CELLS], k = at % BLOCK_CELLS;

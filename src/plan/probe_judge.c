@@ -264,16 +264,12 @@ static bool copy_splats(const struct probe *probe, struct splats *out)
     return true;
 }
 
-static void swallow(void *user, enum stp_log_level level, const char *line)
-{
-}
-
 enum stp_result probe_group(const struct stp_env *env, const struct probe *probe,
                             const struct stp_group_params *params, uint8_t **group,
                             struct stp_grouping *facts)
 {
     /* What a part of the scene warns of, the scene will warn of when it is grouped. */
-    const struct stp_env quiet = { .threads = env ? env->threads : 0, .log = swallow };
+    const struct stp_env quiet = { .threads = env ? env->threads : 0, .log = log_nothing };
     struct stp_scene part = { .prepared = true };
     enum stp_result result =
         copy_splats(probe, &part.splats) ? group_scene(&quiet, &part, params) : STP_ERROR_MEMORY;

@@ -8,6 +8,8 @@
 
 #include <math.h>
 
+#include "base/mix.h"
+
 #define AMPLIFY 16.0    /* where all parts of the picture are seen */
 #define MOST    1024.0  /* beyond, growth would no longer be proportional */
 #define UNIT    0x1p-24 /* half a float's last bit */
@@ -24,18 +26,11 @@
 #define SELDOM  0.01
 #define MANY    100 /* a count of so many is even about its mean */
 
-static uint32_t mix(uint32_t h)
-{
-    h = (h ^ h >> 16) * 0x85ebca6bu;
-    h = (h ^ h >> 13) * 0xc2b2ae35u;
-    return h ^ h >> 16;
-}
-
 /* Evenly in [-1, 1]. */
 static double toss(uint32_t *state)
 {
     *state += 0x9e3779b9u;
-    return mix(*state) / 2147483647.5 - 1;
+    return mix_bits(*state) / 2147483647.5 - 1;
 }
 
 double probe_amplify(const struct probe_sample *sample, unsigned parts)
@@ -58,7 +53,7 @@ static bool move(const struct probe *probe, struct probe_fragment *f)
     struct vec3 along = v3_unit(probe->ray[f->pixel].along);
     double slant = fmax(fabs(v3_dot(f->normal, along)), GRAZING), step = probe->amplify * UNIT;
     double radius = (double)view->scene->splats.radius[f->splat];
-    uint32_t state = mix(mix(f->splat + 0x9e3779b9u) + place_of(probe, f->pixel));
+    uint32_t state = mix_bits(mix_bits(f->splat + 0x9e3779b9u) + place_of(probe, f->pixel));
     f->depth += step * (DEPTHS * fabs(f->depth) + PLANE * radius / slant) * toss(&state);
     f->rho2 = fabs(f->rho2 * (1 + step * PLANE / slant * toss(&state)));
     f->weight = view->kernel == STP_KERNEL_GAUSS ? exp(-2 * f->rho2) : fmax(0, 1 - f->rho2);

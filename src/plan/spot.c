@@ -29,7 +29,9 @@ struct spot_view spot_view_of(const struct stp_scene *scene, const struct stp_ca
         view.rotation[3 + i] = -m[4 + i];
         view.rotation[6 + i] = -m[8 + i];
     }
-    view.least = params->min_splat < 0 ? 0 : params->min_splat > 0 ? params->min_splat : 1.5;
+    view.least = params->min_splat < 0   ? 0
+                 : params->min_splat > 0 ? params->min_splat
+                                         : STP_DEFAULT_MIN_SPLAT;
     return view;
 }
 

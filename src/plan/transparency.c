@@ -46,6 +46,7 @@ bool plan_covers(const struct stp_plan *plan)
 bool stp_plan_needs_cover(const struct stp_facts *facts, const struct stp_render_params *params,
                           const struct stp_limits *limits)
 {
+    params = plan_params(params);
     enum stp_transparency t = plan_resolve_transparency(facts, params, limits);
     return t == STP_TRANSPARENCY_FAST || t == STP_TRANSPARENCY_NEAREST;
 }

@@ -276,6 +276,7 @@ enum stp_result cover_scene(const struct stp_env *env, struct stp_scene *scene,
     cover_groups_release(&scene->cover);
     scene->cover = made;
     scene->facts.cover = facts;
+    scene->version.cover = scene_change(scene);
     return STP_OK;
 }
 

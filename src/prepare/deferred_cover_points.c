@@ -3,6 +3,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "base/mix.h"
 #include "base/thread.h"
 
 #include <math.h>
@@ -181,14 +182,6 @@ struct measuring {
     struct measure_sums *sums; /* one a block */
 };
 
-/* 32-bit finaliser of MurmurHash3. */
-static uint32_t mix(uint32_t h)
-{
-    h = (h ^ h >> 16) * 0x85ebca6bu;
-    h = (h ^ h >> 13) * 0xc2b2ae35u;
-    return h ^ h >> 16;
-}
-
 /* Adds the masks of one neighbour to the groups it is in; radii may differ from group to group. */
 static void add_neighbour(const struct measuring *m, const struct cover_points *points, size_t i,
                           size_t j, uint32_t *hit, uint8_t depth[COVER_POINTS])
@@ -209,7 +202,7 @@ static void measure_splat(const struct measuring *m, size_t i, struct measure_su
     struct overlap_row row = overlap_row(&c->graph, i);
     uint32_t hit[STP_MAX_GROUPS] = { 0 };
     uint8_t depth[COVER_POINTS];
-    struct cover_points points = turned(&m->points, mix((uint32_t)i) * 0x1p-32 * 2 * M_PI);
+    struct cover_points points = turned(&m->points, mix_bits((uint32_t)i) * 0x1p-32 * 2 * M_PI);
     memset(depth, 1, sizeof depth);
     for (uint64_t in = c->member[i]; in; in &= in - 1)
         hit[__builtin_ctzll(in)] = UINT32_MAX;

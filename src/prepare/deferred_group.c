@@ -211,6 +211,8 @@ enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,
                  : log_no_memory(env, count, "the groups");
     if (result == STP_OK) {
         uint8_t *old = scene->splats.group;
+        if (!old || memcmp(old, g.group, count) != 0) /* found again, it is the same */
+            scene->version.groups = scene_change(scene);
         scene->splats.group = g.group;
         scene->facts.grouping = g.facts;
         g.group = old;

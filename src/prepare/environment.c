@@ -132,6 +132,7 @@ static enum stp_result install(const struct stp_env *env, struct stp_scene *scen
     environment_release(&scene->environment);
     scene->environment = *made;
     environment_facts(scene, &scene->facts);
+    scene->version.content = scene_change(scene);
     return STP_OK;
 }
 

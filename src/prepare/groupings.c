@@ -7,6 +7,7 @@ static void show(struct stp_scene *scene, const struct grouping_at *grouping)
 {
     scene->splats.group = grouping->group;
     scene->facts.grouping = grouping->facts;
+    scene->version.groups = grouping->version;
 }
 
 void groupings_begin(struct groupings *groupings, struct stp_scene *scene)
@@ -14,6 +15,7 @@ void groupings_begin(struct groupings *groupings, struct stp_scene *scene)
     *groupings = (struct groupings){ .scene = scene };
     groupings->before.group = scene->splats.group;
     groupings->before.facts = scene->facts.grouping;
+    groupings->before.version = scene->version.groups;
 }
 
 enum stp_result groupings_use(const struct stp_env *env, struct groupings *groupings,
@@ -36,7 +38,8 @@ enum stp_result groupings_use(const struct stp_env *env, struct groupings *group
     enum stp_result result = stp_scene_group(env, scene, &asked);
     if (result == STP_OK)
         groupings->at[groupings->count++] =
-            (struct grouping_at){ overlap, scene->facts.grouping, scene->splats.group };
+            (struct grouping_at){ overlap, scene->facts.grouping, scene->splats.group,
+                                  scene->version.groups };
     else
         show(scene, &groupings->before);
     return result;

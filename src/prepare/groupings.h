@@ -10,6 +10,7 @@ struct grouping_at {
     double asked;
     struct stp_grouping facts;
     uint8_t *group;
+    uint32_t version; /* of the scene's groups while it is shown */
 };
 struct groupings {
     struct stp_scene *scene;

@@ -165,7 +165,6 @@ enum stp_result prepare_object(const struct stp_env *env, struct scene_object *o
     struct object_splats made = { 0 };
     struct need need = { .splats = &made.splats };
     size_t duplicates = 0;
-    facts->has_opacity |= object->cloud.opacity != NULL;
     enum stp_result result = collect_cloud(env, &object->cloud, clip_box, &made.splats, facts);
     if (result == STP_OK)
         result = opacity_object(env, object, &made.splats); /* before: it is part of the order */

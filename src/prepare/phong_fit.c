@@ -183,6 +183,7 @@ static enum stp_result replace(struct fitting *f, struct stp_scene *scene)
     scene->splats = f->splats;
     f->splats = (struct splats){ 0 };
     scene->facts = facts;
+    scene->version.content = scene_change(scene);
     memcpy(scene->core, core, sizeof core);
     for (unsigned i = 0; i < scene->object_count; i++)
         scene->objects[i].epsilon = fmax(scene->objects[i].epsilon, 4 * f->fit.tolerance);
@@ -195,7 +196,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (!scene || !scene->prepared || scene->volume || scene->share.count)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "splats are fitted to a prepared scene of points, and a whole one");
-    if (!params || !(params->tolerance >= 0) || isinf(params->tolerance) || !(params->color >= 0))
+    if (scene->stream)
+        return scene_check_whole(env, scene, "fitting");
+    if (!(params->tolerance >= 0) || isinf(params->tolerance) || !(params->color >= 0))
         return log_error(env, STP_ERROR_ARGUMENT,
                          "a fit wants a tolerance, 0 or more, or a count of splats");
     if (scene->splats.phong)
@@ -207,6 +210,8 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
 enum stp_result stp_scene_fit(const struct stp_env *env, struct stp_scene *scene,
                               const struct stp_fit_params *params, struct stp_fit *out)
 {
+    static const struct stp_fit_params defaults;
+    params = params ? params : &defaults;
     double start = clock_ms();
     enum stp_result result = check(env, scene, params);
     if (result != STP_OK)

@@ -258,6 +258,7 @@ enum stp_result prepare_volume(const struct stp_env *env, struct stp_scene *scen
     volume->transfer = transfer;
     set_facts(scene, volume, clipped);
     scene->prepared = true;
+    scene->version.content = scene_change(scene);
     log_progress(env, "prepare", 1);
     return STP_OK;
 }

@@ -6,6 +6,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "scene/camera.h"
 
 struct stp_frame {
     struct stp_context *context;
@@ -40,6 +41,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_context
     enum stp_result result = resident_check_method(env, plan);
     if (result != STP_OK)
         return result;
+    if (!params)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "a frame needs params: the formats of its targets");
     if (pass_host_most(params->color_format) == 0)
         return log_error(env, STP_ERROR_ARGUMENT, "VkFormat %d is no color format of a target",
                          params->color_format);
@@ -129,30 +133,51 @@ void stp_frame_destroy(struct stp_frame **frame)
     *frame = NULL;
 }
 
+/* Every buffer of the scene that the frame's passes read must be there, and hold this scene. */
+static enum stp_result check_resident(const struct stp_env *env, const struct stp_plan *plan,
+                                      const struct stp_resident *resident)
+{
+    if (memcmp(&resident->material, &plan->frame.material, sizeof resident->material) != 0)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the frame's plan has another material or epsilon than the resident; make "
+                         "it with the resident's scene and epsilon");
+    const char *what = plan_differs(plan, &resident->version);
+    if (what)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the frame's plan was made of another %s than the resident", what);
+    for (uint32_t i = 0; i < plan->resource_count; i++) {
+        const struct plan_resource *r = &plan->resource[i];
+        if (r->lifetime != PLAN_SCENE)
+            continue;
+        if (!resident->has[r->slot] || resident->bytes[r->slot] < r->bytes)
+            return log_error(env, STP_ERROR_ARGUMENT,
+                             "the frame reads the buffer \"%s\", which the resident's plan had "
+                             "not: make the resident with the frame's plan",
+                             r->name);
+    }
+    if (!resident->recorded)
+        return log_error(env, STP_ERROR_ARGUMENT, "the scene's upload has not been recorded");
+    return STP_OK;
+}
+
 static enum stp_result check_record(const struct stp_env *env, const struct stp_frame *frame,
                                     const struct stp_resident *resident,
                                     const struct stp_camera *camera,
                                     const struct stp_targets *targets)
 {
     const struct stp_plan *plan = frame->plan;
-    if (resident->splats != plan->facts.splats || resident->color != plan->facts.has_color)
-        return log_error(env, STP_ERROR_ARGUMENT, "the frame's plan is of another scene");
-    if (memcmp(&resident->material, &plan->frame.material, sizeof resident->material) != 0)
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "the frame's plan has another material or epsilon than the resident; make "
-                         "it with the resident's scene and epsilon");
-    if (!resident->recorded)
-        return log_error(env, STP_ERROR_ARGUMENT, "the scene's upload has not been recorded");
+    enum stp_result result = check_resident(env, plan, resident);
+    if (result != STP_OK)
+        return result;
     if (camera->width == 0 || camera->height == 0 || camera->width > frame->width ||
         camera->height > frame->height)
         return log_error(env, STP_ERROR_ARGUMENT, "%u x %u: the frame is for at most %u x %u",
                          camera->width, camera->height, frame->width, frame->height);
     if (camera->orthographic != (plan->constant[PLAN_ORTHOGRAPHIC] != 0))
         return log_error(env, STP_ERROR_ARGUMENT, "the frame's plan is for the other projection");
-    if (!(camera->fx > 0) || !(camera->fy > 0) || !(camera->near_depth < camera->far_depth) ||
-        (!camera->orthographic && !(camera->near_depth > 0)))
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "the camera needs positive focal lengths and 0 < near < far");
+    result = camera_check(env, camera);
+    if (result != STP_OK)
+        return result;
     if (!targets->color.view || !targets->color.image)
         return log_error(env, STP_ERROR_ARGUMENT, "there is no color target");
     if (frame->host.depth_format == VK_FORMAT_UNDEFINED)
@@ -195,9 +220,9 @@ static VkImageMemoryBarrier2 change(const struct stp_host_image *image, VkImageA
 {
     return (
         VkImageMemoryBarrier2){ .sType = VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2,
-                                .srcStageMask = RECORD_STAGES,
+                                .srcStageMask = RECORD_HOST_STAGES,
                                 .srcAccessMask = access_in(from),
-                                .dstStageMask = RECORD_STAGES,
+                                .dstStageMask = RECORD_HOST_STAGES,
                                 .dstAccessMask = access_in(to),
                                 .oldLayout = from,
                                 .newLayout = to,
@@ -207,6 +232,8 @@ static VkImageMemoryBarrier2 change(const struct stp_host_image *image, VkImageA
                                 .subresourceRange = { aspects, image->level, 1, image->layer, 1 } };
 }
 
+/* What the host did before and does after may be in any stage, also in those that stipple has not.
+ */
 static void barriers(const struct stp_frame *frame, const struct stp_targets *targets,
                      VkCommandBuffer commands, bool enter)
 {
@@ -221,6 +248,7 @@ static void barriers(const struct stp_frame *frame, const struct stp_targets *ta
         images[1] = change(&targets->depth, aspects, enter ? targets->depth.before : depth,
                            enter ? depth : targets->depth.after);
     VkMemoryBarrier2 memory = record_everything();
+    memory.srcStageMask = memory.dstStageMask = RECORD_HOST_STAGES;
     VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                               .memoryBarrierCount = 1,
                               .pMemoryBarriers = &memory,

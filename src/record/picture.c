@@ -8,20 +8,21 @@
 #include "reference/samples.h"
 #include "scene/scene.h"
 
-static enum stp_result add_planes(struct stp_image *image, const char *const *names)
+static enum stp_result add_planes(const struct stp_env *env, struct stp_image *image,
+                                  const char *const *names)
 {
     for (; *names; names++) {
         struct stp_channel *channel;
         bool id = strcmp(*names, "id") == 0;
         enum stp_result result =
-            stp_image_add(image, *names, id ? STP_CHANNEL_UINT : STP_CHANNEL_FLOAT, &channel);
+            stp_image_add(env, image, *names, id ? STP_CHANNEL_UINT : STP_CHANNEL_FLOAT, &channel);
         if (result != STP_OK)
             return result;
     }
     return STP_OK;
 }
 
-static enum stp_result add_aovs(struct stp_image *image, unsigned aovs)
+static enum stp_result add_aovs(const struct stp_env *env, struct stp_image *image, unsigned aovs)
 {
     static const struct {
         unsigned aov;
@@ -38,24 +39,23 @@ static enum stp_result add_aovs(struct stp_image *image, unsigned aovs)
     enum stp_result result = STP_OK;
     for (unsigned i = 0; result == STP_OK && i < sizeof table / sizeof *table; i++)
         if (aovs & table[i].aov)
-            result = add_planes(image, table[i].names);
+            result = add_planes(env, image, table[i].names);
     return result;
 }
 
-enum stp_result record_picture(const struct stp_env *env, const struct stp_scene *scene,
-                               const struct stp_plan *plan, struct stp_image **image)
+enum stp_result record_picture(const struct stp_env *env, const struct stp_plan *plan,
+                               struct stp_image **image)
 {
     static const char *const planes[] = { "R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z", NULL };
     struct stp_image *made = NULL;
-    enum stp_result result = stp_image_create(plan->camera.width, plan->camera.height, &made);
+    enum stp_result result = stp_image_create(env, plan->camera.width, plan->camera.height, &made);
     if (result == STP_OK)
-        result = add_planes(made, planes);
+        result = add_planes(env, made, planes);
     if (result == STP_OK)
-        result = add_aovs(made, plan->params.aovs);
+        result = add_aovs(env, made, plan->params.aovs);
     if (result != STP_OK) {
         stp_image_destroy(&made);
-        return log_error(env, result, "out of memory: a picture of %u x %u", plan->camera.width,
-                         plan->camera.height);
+        return result;
     }
     made->has_camera = true;
     made->camera = plan->camera;

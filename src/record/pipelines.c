@@ -131,16 +131,12 @@ static enum stp_result make_one(const struct stp_env *env, const struct making *
                          &p->pipeline[pass]);
 }
 
-static void swallow(void *user, enum stp_log_level level, const char *line)
-{
-}
-
 /* Drivers compile well side by side. Workers stay silent: what fails is tried again by the
  * caller's thread, which may log. */
 static void make_range(void *context, size_t begin, size_t end, unsigned worker)
 {
     struct making *m = context;
-    const struct stp_env silent = { .log = swallow };
+    const struct stp_env silent = { .log = log_nothing };
     for (size_t i = begin; i < end; i++)
         if (m->made->maker[i] == i)
             m->result[i] = make_one(&silent, m, i);

@@ -191,21 +191,26 @@ uint32_t record_step(const struct record_steps *steps, uint32_t i, uint32_t *sam
  * full barrier and a timestamp after every step. skip_barrier: leaves out the barrier before that
  * pass (tests prove with it that validation sees). */
 #define RECORD_NO_PASS UINT32_MAX
-/* Every stage that a frame, ours or a host's, may use on its queue. */
+/* Every stage that our passes use. */
 #define RECORD_STAGES                                                                              \
     (VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT |               \
      VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT | VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT |      \
      VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT |                                                 \
      VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |    \
      VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT)
-/* From all that was written in those stages to all that they do next. */
+/* Every stage of the host's own commands, as core Vulkan 1.3 has them; not by ALL_COMMANDS, which
+ * the layers' best practices warn of. */
+#define RECORD_HOST_STAGES                                                                         \
+    (RECORD_STAGES | VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT |                                        \
+     VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT)
+/* From all that was written in RECORD_STAGES to all that they do next. */
 VkMemoryBarrier2 record_everything(void);
 void record_walk(struct record_frame *frame, VkCommandBuffer commands, const struct plan_tile *tile,
                  uint32_t part, bool timed, uint32_t skip_barrier);
 
 /* picture.c: outputs of one tile into the picture. */
-enum stp_result record_picture(const struct stp_env *env, const struct stp_scene *scene,
-                               const struct stp_plan *plan, struct stp_image **image);
+enum stp_result record_picture(const struct stp_env *env, const struct stp_plan *plan,
+                               struct stp_image **image);
 enum stp_result record_read_back(const struct stp_env *env, struct record_frame *frame,
                                  const struct stp_scene *scene, const struct plan_tile *tile,
                                  struct stp_image *image);
@@ -228,7 +233,7 @@ bool record_deep_next(struct record_deep *deep);
 enum stp_result record_deep_finish(const struct stp_env *env, const struct record_deep *deep,
                                    struct stp_image *image);
 
-/* render.c: all tiles once, from record to fence; *ms leaves reading back apart. image NULL:
+/* run.c: all tiles once, from record to fence; *ms leaves reading back apart. image NULL:
  * nothing is read. The scene must have been uploaded. */
 enum stp_result record_run(const struct stp_env *env, struct record_frame *frame,
                            const struct stp_scene *scene, struct stp_image *image, double *ms,

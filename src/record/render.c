@@ -48,6 +48,27 @@ static bool uses_shader(const struct stp_plan *plan, enum plan_shader shader)
     return false;
 }
 
+/* Attachments that are blended are float32. */
+static bool blends(const struct stp_plan *plan)
+{
+    for (uint32_t i = 0; i < plan->pass_count; i++)
+        if (plan->pass[i].kind == PLAN_DRAW && plan->pass[i].raster != PLAN_RASTER_WINNER)
+            return true;
+    return false;
+}
+
+/* More texels than every device has; the pyramid's points are cut to what the device has. */
+static bool fetches(const struct stp_plan *plan)
+{
+    for (uint32_t i = 0; i < plan->resource_count; i++) {
+        enum plan_slot slot = plan->resource[i].slot;
+        if (pass_is_texels(plan->resource[i].format) && slot != PLAN_TEXEL_POINTS &&
+            slot != PLAN_TEXEL_RADII && slot != PLAN_TEXEL_CLUSTERS)
+            return true;
+    }
+    return false;
+}
+
 enum stp_result record_check_features(const struct stp_env *env, const struct stp_context *context,
                                       const struct stp_plan *plan)
 {
@@ -58,6 +79,8 @@ enum stp_result record_check_features(const struct stp_env *env, const struct st
                   { plan->constant[PLAN_LAYERED], STP_FEATURE_VERTEX_LAYER },
                   { plan->path == STP_PATH_RASTER, STP_FEATURE_STORAGE_FORMATS },
                   { plan_covers(plan), STP_FEATURE_INDEPENDENT_BLEND },
+                  { blends(plan), STP_FEATURE_FLOAT32_BLEND },
+                  { fetches(plan), STP_FEATURE_TEXEL_BUFFERS },
                   { plan->path == STP_PATH_COMPUTE && plan->constant[PLAN_ATOMIC64],
                     STP_FEATURE_INT64_ATOMICS },
                   { uses_shader(plan, PLAN_SHADER_AXIS_BLOCK_SHUFFLED),
@@ -85,7 +108,7 @@ static enum stp_result render_on_device(const struct stp_env *env, struct stp_co
     context->env = env;
     enum stp_result result = STP_OK;
     if (plan_is_root(plan))
-        result = record_picture(env, scene, plan, &made);
+        result = record_picture(env, plan, &made);
     double start = clock_ms();
     if (result == STP_OK)
         result = record_frame_create(env, context, plan, &frame);
@@ -119,12 +142,15 @@ enum stp_result stp_render(const struct stp_env *env, struct stp_context *contex
     if (plan->share.count)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the plan is for one of several processes: stp_render_share");
+    enum stp_result result = plan_check_scene(env, plan, scene);
+    if (result != STP_OK)
+        return result;
     if (plan->method != STP_METHOD_REFERENCE)
         return context ? render_on_device(env, context, scene, plan, NULL, repeat, image, stats)
                        : log_error(env, STP_ERROR_ARGUMENT, "method %s needs a context",
                                    stp_method_name(plan->method));
     double start = clock_ms();
-    enum stp_result result = reference_render(env, scene, &plan->camera, &plan->params, image);
+    result = reference_render(env, scene, &plan->camera, &plan->params, image);
     stats->first_frame_ms = clock_ms() - start;
     return result;
 }
@@ -171,7 +197,7 @@ static enum stp_result check_share(const struct stp_env *env, const struct stp_c
                          "process %u of %u has the scene of %u of %u, and a plan for %u of %u",
                          m->rank, m->count, scene->share.rank, scene->share.count, plan->share.rank,
                          plan->share.count);
-    return STP_OK;
+    return plan_check_scene(env, plan, scene);
 }
 
 enum stp_result stp_render_share(const struct stp_env *env, struct stp_context *context,

@@ -31,8 +31,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_context
     enum stp_result result = resident_check_method(env, plan);
     if (result != STP_OK)
         return result;
-    if (!scene->prepared || scene->splats.count != plan->facts.splats)
-        return log_error(env, STP_ERROR_ARGUMENT, "the plan was made for another scene");
+    result = plan_check_scene(env, plan, scene);
+    if (result != STP_OK)
+        return result;
     if (params->splats && params->splats_offset % 16)
         return log_error(env, STP_ERROR_ARGUMENT, "splats_offset %llu is no multiple of 16",
                          (unsigned long long)params->splats_offset);
@@ -77,6 +78,10 @@ static enum stp_result upload(const struct stp_env *env, const struct stp_scene 
     enum stp_result result = make_block(env, plan, resident);
     for (uint32_t i = 0; result == STP_OK && i < plan->resource_count; i++) {
         const struct plan_resource *r = &plan->resource[i];
+        if (r->lifetime == PLAN_SCENE) {
+            resident->has[r->slot] = true;
+            resident->bytes[r->slot] = r->bytes;
+        }
         if (!is_ours(resident, r))
             continue;
         result = gpu_buffer_place(env, resident->context, r->bytes, &resident->block, r->name,
@@ -89,7 +94,8 @@ static enum stp_result upload(const struct stp_env *env, const struct stp_scene 
 static void take_pending(struct stp_resident *resident)
 {
     struct stp_context *c = resident->context;
-    resident->pending_count = c->pending_count;
+    resident->copies = c->pending_count;
+    resident->staged = true;
     for (uint32_t i = 0; i < c->pending_count; i++)
         resident->pending[i] = c->pending[i];
     c->pending_count = 0;
@@ -111,7 +117,7 @@ enum stp_result stp_resident_create(const struct stp_env *env, struct stp_contex
         return log_no_memory(env, sizeof *made, "the resident scene");
     made->context = context;
     made->splats = scene->splats.count;
-    made->color = plan->facts.has_color;
+    made->version = scene->version;
     made->material = plan_material(plan, &scene->objects[0]);
     if (params->splats)
         borrow(made, params);
@@ -124,14 +130,15 @@ enum stp_result stp_resident_create(const struct stp_env *env, struct stp_contex
     return result;
 }
 
+/* To whatever comes later: the host's own shaders may read the splats, too. */
 static void make_visible(struct stp_resident *resident, VkCommandBuffer commands)
 {
     VkMemoryBarrier2 memory = {
         .sType = VK_STRUCTURE_TYPE_MEMORY_BARRIER_2,
         .srcStageMask = VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT | VK_PIPELINE_STAGE_2_HOST_BIT,
         .srcAccessMask = VK_ACCESS_2_TRANSFER_WRITE_BIT | VK_ACCESS_2_HOST_WRITE_BIT,
-        .dstStageMask = RECORD_STAGES,
-        .dstAccessMask = VK_ACCESS_2_SHADER_STORAGE_READ_BIT
+        .dstStageMask = RECORD_HOST_STAGES,
+        .dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT
     };
     VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
                               .memoryBarrierCount = 1,
@@ -144,22 +151,22 @@ static void hand_over(struct stp_resident *resident, VkCommandBuffer commands, u
                       bool release)
 {
     VkBufferMemoryBarrier2 barriers[GPU_MOST_PENDING];
-    for (uint32_t i = 0; i < resident->pending_count; i++)
-        barriers[i] = (VkBufferMemoryBarrier2){
-            .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
-            .srcStageMask = release ? VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT : 0,
-            .srcAccessMask = release ? VK_ACCESS_2_TRANSFER_WRITE_BIT : 0,
-            .dstStageMask = release ? 0 : RECORD_STAGES,
-            .dstAccessMask = release ? 0 : VK_ACCESS_2_SHADER_STORAGE_READ_BIT,
-            .srcQueueFamilyIndex = from,
-            .dstQueueFamilyIndex = resident->context->family,
-            .buffer = resident->pending[i].target,
-            .size = VK_WHOLE_SIZE
-        };
+    for (uint32_t i = 0; i < resident->copies; i++)
+        barriers[i] =
+            (VkBufferMemoryBarrier2){ .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
+                                      .srcStageMask =
+                                          release ? VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT : 0,
+                                      .srcAccessMask = release ? VK_ACCESS_2_TRANSFER_WRITE_BIT : 0,
+                                      .dstStageMask = release ? 0 : RECORD_HOST_STAGES,
+                                      .dstAccessMask = release ? 0 : VK_ACCESS_2_MEMORY_READ_BIT,
+                                      .srcQueueFamilyIndex = from,
+                                      .dstQueueFamilyIndex = resident->context->family,
+                                      .buffer = resident->pending[i].target,
+                                      .size = VK_WHOLE_SIZE };
     VkDependencyInfo info = { .sType = VK_STRUCTURE_TYPE_DEPENDENCY_INFO,
-                              .bufferMemoryBarrierCount = resident->pending_count,
+                              .bufferMemoryBarrierCount = resident->copies,
                               .pBufferMemoryBarriers = barriers };
-    if (resident->pending_count)
+    if (resident->copies)
         resident->context->vk.vkCmdPipelineBarrier2(commands, &info);
 }
 
@@ -168,10 +175,13 @@ enum stp_result stp_resident_record_upload(const struct stp_env *env, struct stp
 {
     if (resident->recorded)
         return log_error(env, STP_ERROR_ARGUMENT, "the upload was recorded before");
-    for (uint32_t i = 0; i < resident->pending_count; i++) {
+    if (!resident->staged)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "there is nothing left to upload: the staging memory was released before");
+    for (uint32_t i = 0; i < resident->copies; i++) {
         const struct gpu_pending *p = &resident->pending[i];
-        VkBufferCopy copy = { .size = p->bytes };
-        resident->context->vk.vkCmdCopyBuffer(commands, p->staging.handle, p->target, 1, &copy);
+        resident->context->vk.vkCmdCopyBuffer(commands, p->staging.handle, p->target, 1,
+                                              &p->region);
     }
     if (from == resident->context->family)
         make_visible(resident, commands);
@@ -190,9 +200,9 @@ void stp_resident_record_acquire(struct stp_resident *resident, VkCommandBuffer 
 
 void stp_resident_release_staging(struct stp_resident *resident)
 {
-    for (uint32_t i = 0; i < resident->pending_count; i++)
+    for (uint32_t i = 0; resident->staged && i < resident->copies; i++)
         gpu_buffer_destroy(resident->context, &resident->pending[i].staging);
-    resident->pending_count = 0;
+    resident->staged = false;
 }
 
 VkBuffer stp_resident_splats(const struct stp_resident *resident, VkDeviceSize *bytes)

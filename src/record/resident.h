@@ -8,11 +8,15 @@ struct stp_resident {
     struct stp_context *context;
     struct gpu_block block;
     struct gpu_buffer buffer[PLAN_BUFFER_SLOTS]; /* of PLAN_SCENE, by slot */
-    VkBuffer borrowed;                           /* the host's splats; may be null */
+    uint64_t bytes[PLAN_BUFFER_SLOTS];           /* that the plan asked of each */
+    bool has[PLAN_BUFFER_SLOTS];
+    VkBuffer borrowed; /* the host's splats; may be null */
     uint64_t splats;
+    struct scene_version version;     /* of the scene that was uploaded */
     struct stp_material_gpu material; /* of the first object; of the only one frames have it, too */
-    bool color, recorded;
-    uint32_t pending_count;
+    bool recorded;
+    uint32_t copies; /* that the upload records; their targets stay known */
+    bool staged;     /* their staging memory is still there */
     struct gpu_pending pending[GPU_MOST_PENDING];
 };
 

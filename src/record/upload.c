@@ -11,6 +11,10 @@
 #include "scene/scene.h"
 #include "scene/volume.h"
 
+_Static_assert(STP_SPLAT_INVISIBLE == STP_TAG_INVISIBLE && STP_SPLAT_OPAQUE == STP_TAG_OPAQUE &&
+                   STP_MAX_GROUPS == STP_TAG_GROUP + 1,
+               "hosts fill in what shaders read");
+
 struct packing {
     const struct splats *splats;
     float (*out)[8];

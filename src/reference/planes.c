@@ -2,23 +2,11 @@
 
 #include <string.h>
 
-#include "base/log.h"
-
 struct wanted {
     const char *name;
     unsigned aov; /* 0: always there */
     float **plane;
 };
-
-static enum stp_result add(const struct stp_env *env, struct stp_image *image, const char *name,
-                           enum stp_channel_type type, struct stp_channel **channel)
-{
-    enum stp_result result = stp_image_add(image, name, type, channel);
-    if (result != STP_OK)
-        return log_error(env, result, "plane %s of a picture of %ux%u: %s", name, image->width,
-                         image->height, stp_result_text(result));
-    return STP_OK;
-}
 
 static enum stp_result add_planes(const struct stp_env *env, struct stp_image *image, unsigned aovs,
                                   struct planes *p)
@@ -47,14 +35,15 @@ static enum stp_result add_planes(const struct stp_env *env, struct stp_image *i
     for (size_t i = 0; i < sizeof wanted / sizeof *wanted; i++) {
         if (wanted[i].aov && !(aovs & wanted[i].aov))
             continue;
-        enum stp_result result = add(env, image, wanted[i].name, STP_CHANNEL_FLOAT, &channel);
+        enum stp_result result =
+            stp_image_add(env, image, wanted[i].name, STP_CHANNEL_FLOAT, &channel);
         if (result != STP_OK)
             return result;
         *wanted[i].plane = channel->data.f;
     }
     if (!(aovs & STP_AOV_ID))
         return STP_OK;
-    enum stp_result result = add(env, image, "id", STP_CHANNEL_UINT, &channel);
+    enum stp_result result = stp_image_add(env, image, "id", STP_CHANNEL_UINT, &channel);
     if (result == STP_OK)
         p->id = channel->data.u;
     return result;
@@ -66,10 +55,9 @@ enum stp_result planes_create(const struct stp_env *env, const struct stp_scene 
 {
     struct stp_image *made;
     struct planes filled = { 0 };
-    enum stp_result result = stp_image_create(camera->width, camera->height, &made);
+    enum stp_result result = stp_image_create(env, camera->width, camera->height, &made);
     if (result != STP_OK)
-        return log_error(env, result, "a picture of %ux%u: %s", camera->width, camera->height,
-                         stp_result_text(result));
+        return result;
     result = add_planes(env, made, aovs, &filled);
     if (result != STP_OK) {
         stp_image_destroy(&made);

@@ -7,9 +7,7 @@
 #include "reference/samples.h"
 #include "reference/tile.h"
 #include "reference/volume.h"
-
-#define DEFAULT_MIN_SPLAT 1.5 /* of stp_render_params */
-#define MAX_SAMPLES       65536
+#include "scene/camera.h"
 
 struct job {
     const struct stp_env *env;
@@ -18,31 +16,6 @@ struct job {
     const struct planes *planes;
     struct scratch *scratch; /* one a thread */
 };
-
-static bool finite_matrix(const double m[16])
-{
-    bool finite = true;
-    for (int i = 0; i < 16; i++)
-        finite = finite && isfinite(m[i]);
-    return finite;
-}
-
-static enum stp_result check_camera(const struct stp_env *env, const struct stp_camera *c)
-{
-    if (c->width == 0 || c->height == 0)
-        return log_error(env, STP_ERROR_ARGUMENT, "camera: the picture is %ux%u", c->width,
-                         c->height);
-    if (!finite_matrix(c->world_to_camera) || !isfinite(c->cx) || !isfinite(c->cy))
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "camera: a matrix element or the centre is not finite");
-    if (!(c->fx > 0 && isfinite(c->fx) && c->fy > 0 && isfinite(c->fy)))
-        return log_error(env, STP_ERROR_ARGUMENT, "camera: focal lengths %g, %g are not positive",
-                         c->fx, c->fy);
-    if (!(c->far_depth > c->near_depth) || (!c->orthographic && !(c->near_depth > 0)))
-        return log_error(env, STP_ERROR_ARGUMENT, "camera: near %g and far %g are out of range",
-                         c->near_depth, c->far_depth);
-    return STP_OK;
-}
 
 /* Method axis on a surface, in the exact order. */
 static bool of_gaussians(const struct stp_scene *scene, const struct stp_render_params *params)
@@ -60,9 +33,9 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
                          "the scene must be prepared before it is rendered");
     if (scene->splats.count == 0 && !scene->volume)
         return log_error(env, STP_ERROR_NO_POINTS, "the scene has no splats to render");
-    if (params->samples > MAX_SAMPLES)
+    if (params->samples > STP_MAX_SAMPLES)
         return log_error(env, STP_ERROR_ARGUMENT, "%u samples a pixel: at most %u", params->samples,
-                         MAX_SAMPLES);
+                         STP_MAX_SAMPLES);
     if (!(params->epsilon >= 0) || isnan(params->min_splat))
         return log_error(env, STP_ERROR_ARGUMENT, "epsilon %g or min-splat %g is out of range",
                          params->epsilon, params->min_splat);
@@ -77,7 +50,7 @@ static enum stp_result check(const struct stp_env *env, const struct stp_scene *
     if (params->environment_behind && !scene->environment.map.width)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the scene has no environment to stand behind it");
-    return check_camera(env, camera);
+    return camera_check(env, camera);
 }
 
 struct view reference_view(const struct stp_scene *scene, const struct stp_camera *camera,
@@ -97,7 +70,7 @@ struct view reference_view(const struct stp_scene *scene, const struct stp_camer
                          .deep = params->deep && scene->facts.transparent,
                          .epsilon = params->epsilon,
                          .grid = sample_grid(params->samples) };
-    view.min_splat = params->min_splat == 0 ? DEFAULT_MIN_SPLAT : fmax(0, params->min_splat);
+    view.min_splat = params->min_splat == 0 ? STP_DEFAULT_MIN_SPLAT : fmax(0, params->min_splat);
     eye_init(&view.eye, camera, scene->splats.origin);
     return view;
 }

@@ -133,16 +133,16 @@ enum stp_result heat_picture(const struct stp_env *env, const struct heat *heat,
     struct stp_image *made = NULL;
     float *plane[4];
     enum stp_result result =
-        stp_image_create(heat->width, heat->height + BAR_GAP + BAR_HEIGHT, &made);
+        stp_image_create(env, heat->width, heat->height + BAR_GAP + BAR_HEIGHT, &made);
     for (int k = 0; result == STP_OK && k < 4; k++) {
         struct stp_channel *channel;
-        result = stp_image_add(made, names[k], STP_CHANNEL_FLOAT, &channel);
+        result = stp_image_add(env, made, names[k], STP_CHANNEL_FLOAT, &channel);
         if (result == STP_OK)
             plane[k] = channel->data.f;
     }
     if (result != STP_OK) {
         stp_image_destroy(&made);
-        return log_no_memory(env, (size_t)heat->width * heat->height * 16, "an error picture");
+        return result;
     }
     paint(heat, plane);
     *picture = made;

@@ -23,6 +23,7 @@ struct extremes {
 };
 
 struct framing {
+    const struct stp_env *env;
     const struct stp_scene *scene;
     struct vec3 x, y, z, middle;
     double slope[2], length[2]; /* of the margin planes, and of their normals; 0, 1: orthographic */
@@ -107,10 +108,10 @@ static enum stp_result visit(struct framing *f)
 {
     const struct splats *s = &f->scene->splats;
     if (f->scene->stream)
-        return stream_walk(NULL, f->scene->stream, NULL, 0, 1, extremes_block, f);
+        return stream_walk(f->env, f->scene->stream, NULL, 0, 1, extremes_block, f);
     f->position = s->position;
     f->radius = s->radius;
-    parallel_for(NULL, s->count, GRAIN, extremes_range, f);
+    parallel_for(f->env, s->count, GRAIN, extremes_range, f);
     return STP_OK;
 }
 
@@ -128,7 +129,7 @@ static void box_extremes(const struct framing *f, struct extremes *e)
 static enum stp_result find_extremes(struct framing *f, struct extremes *all)
 {
     struct extremes none = { { -INFINITY, -INFINITY, -INFINITY, -INFINITY }, -INFINITY, INFINITY };
-    unsigned threads = thread_count(NULL);
+    unsigned threads = thread_count(f->env);
     *all = none;
     if (f->scene->volume) {
         box_extremes(f, all);
@@ -136,7 +137,7 @@ static enum stp_result find_extremes(struct framing *f, struct extremes *all)
     }
     f->worker = mem_alloc(threads, sizeof *f->worker);
     if (!f->worker)
-        return log_no_memory(NULL, threads * sizeof *f->worker, "framing");
+        return log_no_memory(f->env, threads * sizeof *f->worker, "framing");
     for (unsigned i = 0; i < threads; i++)
         f->worker[i] = none;
     enum stp_result result = visit(f);
@@ -200,35 +201,36 @@ static double orthographic(const struct extremes *e, struct vec3 *eye, struct st
     return room;
 }
 
-static enum stp_result check(const struct stp_scene *scene, const struct stp_frame_params *p)
+static enum stp_result check(const struct stp_env *env, const struct stp_scene *scene,
+                             const struct stp_frame_params *p)
 {
     if (!scene->prepared)
-        return log_error(NULL, STP_ERROR_ARGUMENT, "the scene must be prepared to be framed");
+        return log_error(env, STP_ERROR_ARGUMENT, "the scene must be prepared to be framed");
     if (scene->share.count)
-        return log_error(NULL, STP_ERROR_ARGUMENT, "frame the scene before it is shared");
+        return log_error(env, STP_ERROR_ARGUMENT, "frame the scene before it is shared");
     if (!isfinite(p->azimuth) || !isfinite(p->elevation))
-        return log_error(NULL, STP_ERROR_ARGUMENT, "the view's azimuth or elevation is not finite");
+        return log_error(env, STP_ERROR_ARGUMENT, "the view's azimuth or elevation is not finite");
     if (!(p->fov_y >= 0 && p->fov_y < 3.1415))
-        return log_error(NULL, STP_ERROR_ARGUMENT,
+        return log_error(env, STP_ERROR_ARGUMENT,
                          "a field of view of %g radians: it must be above 0 and below pi",
                          p->fov_y);
     return STP_OK;
 }
 
-enum stp_result stp_camera_frame(const struct stp_scene *scene,
+enum stp_result stp_camera_frame(const struct stp_env *env, const struct stp_scene *scene,
                                  const struct stp_frame_params *params, struct stp_camera *camera)
 {
     static const struct stp_frame_params defaults = { .azimuth = STP_ISO_AZIMUTH,
                                                       .elevation = STP_ISO_ELEVATION };
     const struct stp_frame_params *p = params ? params : &defaults;
-    enum stp_result result = check(scene, p);
+    enum stp_result result = check(env, scene, p);
     if (result != STP_OK)
         return result;
     struct stp_camera c = { .orthographic = p->orthographic,
                             .width = p->width ? p->width : 1280,
                             .height = p->height ? p->height : 720,
                             .far_depth = INFINITY };
-    struct framing f = { .scene = scene, .length = { 1, 1 } };
+    struct framing f = { .env = env, .scene = scene, .length = { 1, 1 } };
     double tangent = tan(0.5 * (p->fov_y > 0 ? p->fov_y : DEGREES_30));
     for (int i = 0; i < 2 && !c.orthographic; i++) {
         f.slope[i] = MARGIN * tangent * (i == 0 ? (double)c.width / c.height : 1);

@@ -4,6 +4,7 @@
 #include <stdio.h>
 #include <string.h>
 
+#include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
 #include "scene/optics.h"
@@ -41,6 +42,20 @@ void splats_release(struct splats *splats)
     *splats = (struct splats){ 0 };
 }
 
+/* From the moment and the place: of two scenes at one place one is gone before the other comes. */
+static uint64_t identify(const struct stp_scene *scene)
+{
+    double now = clock_ms();
+    uint64_t moment;
+    memcpy(&moment, &now, sizeof moment);
+    return moment ^ (uint64_t)(uintptr_t)scene * 0x9e3779b97f4a7c15u;
+}
+
+uint32_t scene_change(struct stp_scene *scene)
+{
+    return ++scene->changes;
+}
+
 enum stp_result stp_scene_create(const struct stp_env *env, struct stp_scene **scene)
 {
     struct stp_scene *made = mem_zalloc(1, sizeof *made);
@@ -50,6 +65,7 @@ enum stp_result stp_scene_create(const struct stp_env *env, struct stp_scene **s
     made->light_count = 1;
     made->facts.up = STP_UP_Y;
     made->facts.lights = 1;
+    made->version.scene = identify(made);
     *scene = made;
     return STP_OK;
 }
@@ -208,15 +224,15 @@ static bool light_is_usable(const struct stp_light *light)
     return all_finite(light->color, 3) && (light->at_eye || (finite && somewhere));
 }
 
-enum stp_result stp_scene_set_lights(struct stp_scene *scene, const struct stp_light *lights,
-                                     unsigned count)
+enum stp_result stp_scene_set_lights(const struct stp_env *env, struct stp_scene *scene,
+                                     const struct stp_light *lights, unsigned count)
 {
     if (count > STP_MAX_LIGHTS || (count > 0 && !lights))
-        return log_error(NULL, STP_ERROR_ARGUMENT, "%u lights: a scene takes %u at most", count,
+        return log_error(env, STP_ERROR_ARGUMENT, "%u lights: a scene takes %u at most", count,
                          STP_MAX_LIGHTS);
     for (unsigned i = 0; i < count; i++)
         if (!light_is_usable(&lights[i]))
-            return log_error(NULL, STP_ERROR_ARGUMENT,
+            return log_error(env, STP_ERROR_ARGUMENT,
                              "light %u: not finite, or its direction is zero", i);
     scene->lights[0] = head_light;
     for (unsigned i = 0; i < count; i++)

@@ -8,6 +8,7 @@
 #include "load/environment.h"
 #include "scene/splats.h"
 #include "scene/stream.h"
+#include "scene/version.h"
 #include "scene/volume.h"
 
 /* Where an object's colours come from: its cloud, or prepare makes them. */
@@ -80,7 +81,13 @@ struct stp_scene {
                        outliers that automatic framing leaves out */
     bool prepared;
     struct scene_share share;
+    struct scene_version version;
+    uint32_t changes; /* so far */
 };
+
+/* After a change: the number that its part of the version takes. None comes twice, so that a
+ * grouping that is kept aside and shown again may keep its own. */
+uint32_t scene_change(struct stp_scene *scene);
 
 void environment_release(struct scene_environment *environment);
 

@@ -274,7 +274,7 @@ enum stp_result scene_json_lights(const struct json_at *root, const cJSON *json,
             return result;
         count++;
     }
-    return stp_scene_set_lights(scene, lights, count);
+    return stp_scene_set_lights(root->env, scene, lights, count);
 }
 
 static enum stp_result camera_of_file(const struct json_at *root, const char *file,

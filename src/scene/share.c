@@ -48,5 +48,6 @@ enum stp_result stp_scene_share(const struct stp_env *env, struct stp_scene *sce
     size_t end = (size_t)((unsigned __int128)splats * (rank + 1) / count);
     keep_splats(&scene->splats, first, end - first);
     scene->share = (struct scene_share){ rank, count, first };
+    scene->version.content = scene_change(scene);
     return STP_OK;
 }

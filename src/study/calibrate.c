@@ -106,10 +106,6 @@ static enum stp_result add_row(struct calibrating *c, const struct bed *bed,
     return STP_OK;
 }
 
-static void swallow(void *user, enum stp_log_level level, const char *line)
-{
-}
-
 static struct stp_render_params params_of(const struct bed *bed, const struct plan_candidate *way)
 {
     struct stp_render_params p = bed->params;
@@ -126,7 +122,7 @@ static struct stp_render_params params_of(const struct bed *bed, const struct pl
 static enum stp_result run_offer(struct calibrating *c, const struct bed *bed,
                                  const struct plan_offer *offer, bool seen[PLAN_COSTS])
 {
-    const struct stp_env silent = { .threads = c->quiet.threads, .log = swallow };
+    const struct stp_env silent = { .threads = c->quiet.threads, .log = log_nothing };
     struct plan_candidate way[PLAN_MAX_OFFERED];
     unsigned count = offer->candidates(way);
     enum stp_result result = STP_OK;

@@ -81,7 +81,7 @@ static enum stp_result measure(struct study *study, struct study_frame *frame,
                                          .exposure = study->params.exposure };
     struct stp_image *image = NULL;
     double unused;
-    enum stp_result result = record_picture(&study->quiet, study->scene, frame->plan, &image);
+    enum stp_result result = record_picture(&study->quiet, frame->plan, &image);
     if (result == STP_OK)
         result = run(study, frame, image, &unused);
     if (result == STP_OK)

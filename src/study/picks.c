@@ -28,6 +28,7 @@ static enum stp_result choose(struct study *study, double bound, struct stp_choi
     struct stp_group_params group = study->params.group;
     uint8_t *kept = scene->splats.group;
     struct stp_grouping facts = scene->facts.grouping;
+    uint32_t version = scene->version.groups;
     env.log = log_no_warning;
     env.user = &study->quiet;
     params.max_error = bound;
@@ -40,6 +41,7 @@ static enum stp_result choose(struct study *study, double bound, struct stp_choi
     mem_free(scene->splats.group);
     scene->splats.group = kept;
     scene->facts.grouping = facts;
+    scene->version.groups = version;
     return result;
 }
 

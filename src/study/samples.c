@@ -65,7 +65,7 @@ static enum stp_result measure(struct study *study, const struct stp_plan *plan,
         return result;
     result = record_upload(&study->quiet, &frame, study->scene);
     if (result == STP_OK)
-        result = record_picture(&study->quiet, study->scene, plan, &image);
+        result = record_picture(&study->quiet, plan, &image);
     if (result == STP_OK)
         result = time_and_compare(study, &frame, truth, image, row);
     stp_image_destroy(&image);

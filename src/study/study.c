@@ -170,7 +170,7 @@ static void describe(struct study *study)
     r->epsilon = study->epsilon;
     r->min_splat = p->render.min_splat < 0   ? 0
                    : p->render.min_splat > 0 ? p->render.min_splat
-                                             : 1.5;
+                                             : STP_DEFAULT_MIN_SPLAT;
     r->kernel = p->render.kernel == STP_KERNEL_GAUSS ? "gauss" : "parabola";
     r->cull = p->render.cull == STP_CULL_BACK ? "back" : "none";
     r->rounds = p->rounds ? p->rounds : p->quick ? 2 : 3;
@@ -232,11 +232,12 @@ enum stp_result stp_report(const struct stp_env *env, struct stp_context *contex
                            struct stp_scene *scene, const struct stp_camera *camera,
                            const struct stp_report_params *params, const char *folder)
 {
+    static const struct stp_report_params defaults;
     struct study study = { .env = env, .context = context, .scene = scene, .camera = camera };
     if (!context || !scene->prepared || !(scene->splats.count || scene->volume))
         return log_error(env, STP_ERROR_ARGUMENT,
                          "a report needs a context and a prepared scene with splats or a volume");
-    study.params = *params;
+    study.params = params ? *params : defaults;
     if (env)
         study.quiet = *env;
     study.quiet.progress = NULL;

@@ -121,8 +121,9 @@ static enum stp_result add_planes(const struct stp_env *env, const struct exr_so
         }
         enum stp_channel_type type =
             entry->pixel_type == EXR_PIXEL_UINT ? STP_CHANNEL_UINT : STP_CHANNEL_FLOAT;
-        if (stp_image_add(image, entry->name.str, type, &channel) != STP_OK)
-            return log_no_memory(env, 4 * (size_t)image->width * image->height, s->io->path);
+        enum stp_result result = stp_image_add(env, image, entry->name.str, type, &channel);
+        if (result != STP_OK)
+            return result;
         channel->half = entry->pixel_type == EXR_PIXEL_HALF;
         /* Outside the data window nothing is: depth is infinite there. */
         if (strcmp(channel->name, "Z") == 0 && type == STP_CHANNEL_FLOAT)
@@ -177,10 +178,10 @@ static enum stp_result read_part(const struct stp_env *env, struct exr_source *s
         result = check_channels(env, s);
     if (result != STP_OK)
         return result;
-    result = stp_image_create((uint32_t)(s->display.max.x - s->display.min.x + 1),
+    result = stp_image_create(env, (uint32_t)(s->display.max.x - s->display.min.x + 1),
                               (uint32_t)(s->display.max.y - s->display.min.y + 1), &read);
     if (result != STP_OK)
-        return log_no_memory(env, sizeof *read, s->io->path);
+        return result;
     result = fill_image(env, s, read);
     if (result == STP_OK)
         *image = read;

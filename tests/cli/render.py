@@ -10,7 +10,7 @@ import command
 
 BASIC = ["render", "ball.ply", "-o", "out.exr", "--method", "reference", "--size", "40x30"]
 CHANNELS = ["A", "B", "G", "N.X", "N.Y", "N.Z", "R", "Z"]
-STATS = ["build", "device", "driver", "points", "splats", "splats_drawn", "groups", "grouping",
+STATS = ["build", "device", "driver", "points", "splats", "groups", "grouping",
          "method", "path", "passes", "frame_ms", "cold_ms", "bytes", "peak_rss", "plan"]
 
 

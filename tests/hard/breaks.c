@@ -52,10 +52,10 @@ static void write_error(const struct showing *s, const struct stp_image *image, 
     static const char *const names[] = { "R", "G", "B", "A" };
     struct stp_image *error = NULL;
     char path[512];
-    assert_int_equal(stp_image_create(image->width, image->height, &error), STP_OK);
+    assert_int_equal(stp_image_create(NULL, image->width, image->height, &error), STP_OK);
     for (int k = 0; k < 4; k++) {
         struct stp_channel *out;
-        assert_int_equal(stp_image_add(error, names[k], STP_CHANNEL_FLOAT, &out), STP_OK);
+        assert_int_equal(stp_image_add(NULL, error, names[k], STP_CHANNEL_FLOAT, &out), STP_OK);
         const float *a = stp_image_find(image, names[k])->data.f;
         const float *b = stp_image_find(s->truth, names[k])->data.f;
         for (size_t i = 0; i < (size_t)image->width * image->height; i++)

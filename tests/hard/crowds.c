@@ -10,7 +10,7 @@ static void one_point(const struct hard_options *o, struct hard_scene *s)
     points_add(&cloud, v3(3, -4, 5), v3(0, 0, 1), 0);
     cloud.no_normals = cloud.no_radii = true;
     s->scene = points_scene(&cloud, 0, 2);
-    assert_int_equal(stp_camera_frame(s->scene, &frame, &s->camera), STP_OK);
+    assert_int_equal(stp_camera_frame(NULL, s->scene, &frame, &s->camera), STP_OK);
     points_release(&cloud);
 }
 

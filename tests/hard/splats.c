@@ -117,8 +117,8 @@ static void stray(const struct hard_options *o, struct hard_scene *s)
     struct stp_scene *without = points_scene(&ball, 0, 2);
     look_at_sphere(o, s, &cloud);
     s->truth[0] = without->facts.radius_max;
-    assert_int_equal(stp_camera_frame(s->scene, &frame, &s->camera), STP_OK);
-    assert_int_equal(stp_camera_frame(without, &frame, &alone), STP_OK);
+    assert_int_equal(stp_camera_frame(NULL, s->scene, &frame, &s->camera), STP_OK);
+    assert_int_equal(stp_camera_frame(NULL, without, &frame, &alone), STP_OK);
     struct vec3 a = m4_point(s->camera.world_to_camera, v3(0, 0, 0));
     struct vec3 b = m4_point(alone.world_to_camera, v3(0, 0, 0));
     assert_true(fabs(v3_length(a) / v3_length(b) - 1) < 0.01);

@@ -32,7 +32,7 @@ struct stp_camera stage_view(const struct stp_scene *scene, uint32_t width, uint
 {
     struct stp_camera camera;
     struct stp_frame_params params = { .azimuth = azimuth, .width = width, .height = height };
-    assert_int_equal(stp_camera_frame(scene, &params, &camera), STP_OK);
+    assert_int_equal(stp_camera_frame(NULL, scene, &params, &camera), STP_OK);
     return camera;
 }
 

@@ -98,7 +98,7 @@ static struct stp_scene *bright_ball(struct engine *e, float light)
 {
     struct stp_scene *scene = stage_ball(e, 900, true, 1, 1);
     const struct stp_light lights[] = { { .at_eye = true, .color = { light, light, light } } };
-    assert_int_equal(stp_scene_set_lights(scene, lights, 1), STP_OK);
+    assert_int_equal(stp_scene_set_lights(NULL, scene, lights, 1), STP_OK);
     return scene;
 }
 

@@ -446,7 +446,7 @@ static void test_orthographic(void **state)
                                                 .depth_format = VK_FORMAT_D32_SFLOAT };
     const struct stp_frame_params flat = { .width = WIDTH, .height = HEIGHT, .orthographic = true };
     struct drawn d = { .scene = balls(&s.engine, true, 1), .params = by_id };
-    assert_int_equal(stp_camera_frame(d.scene, &flat, &s.camera), STP_OK);
+    assert_int_equal(stp_camera_frame(NULL, d.scene, &flat, &s.camera), STP_OK);
     make_frame(&s, &d, &host);
     struct stp_targets targets = stage_targets(&s);
     double z = -s.camera.world_to_camera[11] - 0.2;

@@ -79,6 +79,7 @@ static void test_single_structs(void **state)
 struct counting {
     struct engine *engine;
     unsigned given, released;
+    bool unmapped; /* leaves `mapped` NULL */
 };
 
 static VkResult give(void *user, const VkMemoryRequirements *needs, uint32_t type,
@@ -97,7 +98,7 @@ static VkResult give(void *user, const VkMemoryRequirements *needs, uint32_t typ
     void *mapped = NULL;
     if (result == VK_SUCCESS)
         result = vkMapMemory(c->engine->device, memory->memory, 0, VK_WHOLE_SIZE, 0, &mapped);
-    memory->mapped = (char *)mapped + offset;
+    memory->mapped = c->unmapped ? NULL : (char *)mapped + offset;
     c->given += result == VK_SUCCESS;
     return result;
 }
@@ -170,6 +171,31 @@ static void test_memory_of_the_host(void **state)
     stp_context_destroy(&context);
     assert_int_equal(counting.given, counting.released);
     assert_true(counting.given >= 4);
+    stage_close(&s);
+}
+
+/* Memory to be written by the host that the allocator did not map: refused, and given back. */
+static void test_not_mapped(void **state)
+{
+    const struct stp_render_params params = { .method = STP_METHOD_EXACT };
+    struct stage s;
+    stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
+    struct counting counting = { .engine = &s.engine, .unmapped = true };
+    struct stp_import import = engine_import(&s.engine);
+    struct stp_context *context = NULL;
+    struct stp_resident *resident = NULL;
+    import.allocator = (struct stp_device_allocator){ &counting, give, take_back };
+    import.mask_features = STP_FEATURE_SHARED_MEMORY; /* so that uploads are staged */
+    assert_int_equal(stp_context_import(&s.engine.env, &import, &context), STP_OK);
+    struct stp_plan *plan = stage_plan(&s.engine, context, s.scene, &s.camera, &params);
+    assert_int_equal(stp_resident_create(&s.engine.env, context, s.scene, plan, NULL, &resident),
+                     STP_ERROR_DEVICE);
+    assert_null(resident);
+    assert_non_null(strstr(s.engine.last, "allocator"));
+    assert_true(counting.given >= 2); /* the scene's, and what was to stage it */
+    assert_int_equal(counting.given, counting.released);
+    stp_plan_destroy(&plan);
+    stp_context_destroy(&context);
     stage_close(&s);
 }
 
@@ -323,11 +349,9 @@ static void test_placed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_single_structs),
-        cmocka_unit_test(test_memory_of_the_host),
-        cmocka_unit_test(test_points_that_move),
-        cmocka_unit_test(test_placed),
+        cmocka_unit_test(test_refused),          cmocka_unit_test(test_single_structs),
+        cmocka_unit_test(test_not_mapped),       cmocka_unit_test(test_memory_of_the_host),
+        cmocka_unit_test(test_points_that_move), cmocka_unit_test(test_placed),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

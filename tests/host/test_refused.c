@@ -100,13 +100,14 @@ static void test_volumes(void **state)
     stage_close(&s);
 }
 
-static struct stp_scene *ball_of(struct engine *e, const struct stp_material *material)
+static struct stp_scene *ball_of(struct engine *e, const struct stp_material *material,
+                                 const struct stp_optics *optics)
 {
     static const double position[4][3] = {
         { 1, 1, 1 }, { 1, -1, -1 }, { -1, 1, -1 }, { -1, -1, 1 }
     };
     const struct stp_points points = { .count = 4, .position = position };
-    const struct stp_object_params object = { .material = material };
+    const struct stp_object_params object = { .material = material, .optics = optics };
     struct stp_scene *scene = NULL;
     assert_int_equal(stp_scene_create(&e->env, &scene), STP_OK);
     assert_int_equal(stp_scene_add_points(&e->env, scene, &points, &object), STP_OK);
@@ -139,7 +140,7 @@ static void test_materials(void **state)
     struct stp_render_params params = { .method = STP_METHOD_EXACT };
     struct stage s;
     stage_open(&s, formats.color_format, formats.depth_format, NULL);
-    struct stp_scene *scene = ball_of(&s.engine, &own);
+    struct stp_scene *scene = ball_of(&s.engine, &own, NULL);
     struct stp_plan *plan = stage_plan(&s.engine, s.context, scene, &s.camera, &params);
     struct stp_resident *resident =
         stage_resident(&s.engine, s.context, scene, plan, &(struct stp_resident_params){ 0 });
@@ -149,7 +150,7 @@ static void test_materials(void **state)
         float *field[] = { &other.ambient,   &other.diffuse,   &other.specular, &other.shininess,
                            &other.albedo[0], &other.albedo[1], &other.albedo[2] };
         *field[i] *= 2;
-        struct stp_scene *changed = ball_of(&s.engine, &other);
+        struct stp_scene *changed = ball_of(&s.engine, &other, NULL);
         assert_int_equal(record_with(&s, changed, resident, &params), STP_ERROR_ARGUMENT);
         assert_non_null(strstr(s.engine.last, "another material or epsilon"));
         stp_scene_destroy(&changed);
@@ -160,6 +161,78 @@ static void test_materials(void **state)
     stp_resident_destroy(&resident);
     stp_plan_destroy(&plan);
     stp_scene_destroy(&scene);
+    stage_close(&s);
+}
+
+static void expect_not_recorded(struct stage *s, struct stp_scene *scene,
+                                const struct stp_resident *resident,
+                                const struct stp_render_params *params, const char *words)
+{
+    assert_int_equal(record_with(s, scene, resident, params), STP_ERROR_ARGUMENT);
+    if (!strstr(s->engine.last, words))
+        fail_msg("\"%s\" is wanted: %s", words, s->engine.last);
+}
+
+/* A frame that reads a buffer of the scene that the resident has not would read address 0. */
+static void test_missing_buffers(void **state)
+{
+    const struct stp_render_params exact = { .method = STP_METHOD_EXACT };
+    const struct stp_render_params raster = { .method = STP_METHOD_DEFERRED,
+                                              .path = STP_PATH_RASTER };
+    const struct stp_render_params sky = { .method = STP_METHOD_EXACT, .environment_behind = true };
+    const struct stp_optics dull = { .ior = { 1, 1, 1 } }; /* it mirrors no environment */
+    const float texel[2][3] = { { 1, 2, 3 }, { 2, 1, 0 } };
+    struct stage s;
+    stage_open(&s, formats.color_format, formats.depth_format, NULL);
+    const struct stp_env *env = &s.engine.env;
+    struct stp_scene *scene = ball_of(&s.engine, NULL, &dull);
+    assert_int_equal(stp_scene_set_environment(env, scene, 2, 1, texel, NULL), STP_OK);
+    assert_int_equal(stp_scene_group(env, scene, NULL), STP_OK);
+    struct stp_plan *plan = stage_plan(&s.engine, s.context, scene, &s.camera, &exact);
+    struct stp_resident *resident = stage_resident(&s.engine, s.context, scene, plan, NULL);
+    assert_int_equal(record_with(&s, scene, resident, &exact), STP_OK);
+    expect_not_recorded(&s, scene, resident, &raster, "the frame reads the buffer \"");
+    expect_not_recorded(&s, scene, resident, &sky, "the frame reads the buffer \"");
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
+    plan = stage_plan(&s.engine, s.context, scene, &s.camera, &raster);
+    resident = stage_resident(&s.engine, s.context, scene, plan, NULL);
+    assert_int_equal(record_with(&s, scene, resident, &raster), STP_OK);
+    assert_int_equal(record_with(&s, scene, resident, &exact), STP_OK); /* it has all of these */
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
+    stp_scene_destroy(&scene);
+    stage_close(&s);
+}
+
+/* The scene may go on while a resident stays as it was: what then does not fit is refused. */
+static void test_other_states(void **state)
+{
+    const struct stp_render_params exact = { .method = STP_METHOD_EXACT };
+    const struct stp_render_params deferred = { .method = STP_METHOD_DEFERRED };
+    struct stage s;
+    stage_open(&s, formats.color_format, formats.depth_format, NULL);
+    const struct stp_env *env = &s.engine.env;
+    const struct stp_group_params few = { .overlap = 0.1 };
+    assert_int_equal(stp_scene_group(env, s.scene, &few), STP_OK);
+    struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &exact);
+    struct stp_resident *resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
+    /* record_with groups it by other params */
+    expect_not_recorded(&s, s.scene, resident, &deferred, "another grouping than the resident");
+    assert_int_equal(record_with(&s, s.scene, resident, &exact), STP_OK);
+    stp_resident_destroy(&resident);
+    resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
+    assert_int_equal(record_with(&s, s.scene, resident, &deferred), STP_OK);
+    struct stp_scene *other = stage_ball(&s.engine, 900, true, 1, 1);
+    expect_not_recorded(&s, other, resident, &exact, "another scene than the resident");
+    struct stp_resident *none = NULL;
+    assert_int_equal(stp_resident_create(env, s.context, other, plan, NULL, &none),
+                     STP_ERROR_ARGUMENT);
+    assert_null(none);
+    assert_non_null(strstr(s.engine.last, "another scene"));
+    stp_scene_destroy(&other);
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
     stage_close(&s);
 }
 
@@ -183,8 +256,9 @@ static void test_next_is_drawn(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_methods),       cmocka_unit_test(test_transparencies),
-        cmocka_unit_test(test_volumes),       cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_methods),         cmocka_unit_test(test_transparencies),
+        cmocka_unit_test(test_volumes),         cmocka_unit_test(test_materials),
+        cmocka_unit_test(test_missing_buffers), cmocka_unit_test(test_other_states),
         cmocka_unit_test(test_next_is_drawn),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);

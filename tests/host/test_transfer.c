@@ -4,12 +4,24 @@
 
 #define MOST 32
 
+/* Of core Vulkan 1.3; PRE_RASTERIZATION: vertices, tessellation, geometry, meshes. */
+static const VkPipelineStageFlags2 every =
+    VK_PIPELINE_STAGE_2_DRAW_INDIRECT_BIT | VK_PIPELINE_STAGE_2_VERTEX_INPUT_BIT |
+    VK_PIPELINE_STAGE_2_PRE_RASTERIZATION_SHADERS_BIT | VK_PIPELINE_STAGE_2_FRAGMENT_SHADER_BIT |
+    VK_PIPELINE_STAGE_2_EARLY_FRAGMENT_TESTS_BIT | VK_PIPELINE_STAGE_2_LATE_FRAGMENT_TESTS_BIT |
+    VK_PIPELINE_STAGE_2_COLOR_ATTACHMENT_OUTPUT_BIT | VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT |
+    VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT;
+
 /* What a command buffer was given; one test at a time. */
 static struct {
     unsigned copies, barriers, memory, images;
+    VkImage target; /* barriers of it are looked at; and all that is recorded goes on to the device;
+                       null: nothing does */
     VkBuffer copied[MOST];
     VkBufferMemoryBarrier2 barrier[MOST];
     VkMemoryBarrier2 all;
+    VkMemoryBarrier2 first_all, last_all; /* of barriers with images of the host's */
+    VkImageMemoryBarrier2 first_image, last_image;
     unsigned others; /* commands of any other kind */
 } seen;
 
@@ -21,25 +33,41 @@ static VKAPI_ATTR void VKAPI_CALL see_barrier(VkCommandBuffer commands,
     for (uint32_t i = 0; i < info->memoryBarrierCount; i++)
         seen.all = info->pMemoryBarriers[i];
     seen.memory += info->memoryBarrierCount;
-    seen.images += info->imageMemoryBarrierCount;
+    if (info->imageMemoryBarrierCount && info->pImageMemoryBarriers->image == seen.target) {
+        seen.last_all = *info->pMemoryBarriers;
+        seen.last_image = *info->pImageMemoryBarriers;
+        if (!seen.images++) {
+            seen.first_all = seen.last_all;
+            seen.first_image = seen.last_image;
+        }
+    }
+    seen.others += info->imageMemoryBarrierCount && !seen.target;
+    if (seen.target)
+        vkCmdPipelineBarrier2(commands, info);
 }
 
 static VKAPI_ATTR void VKAPI_CALL see_copy(VkCommandBuffer commands, VkBuffer from, VkBuffer to,
                                            uint32_t count, const VkBufferCopy *regions)
 {
     seen.copied[seen.copies++ % MOST] = to;
+    if (seen.target)
+        vkCmdCopyBuffer(commands, from, to, count, regions);
 }
 
 static VKAPI_ATTR void VKAPI_CALL see_fill(VkCommandBuffer commands, VkBuffer to, VkDeviceSize at,
                                            VkDeviceSize size, uint32_t word)
 {
     seen.others++;
+    if (seen.target)
+        vkCmdFillBuffer(commands, to, at, size, word);
 }
 
 static VKAPI_ATTR void VKAPI_CALL see_update(VkCommandBuffer commands, VkBuffer to, VkDeviceSize at,
                                              VkDeviceSize size, const void *data)
 {
     seen.others++;
+    if (seen.target)
+        vkCmdUpdateBuffer(commands, to, at, size, data);
 }
 
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL of_device(VkDevice device, const char *name)
@@ -123,9 +151,8 @@ static void test_two_families(void **state)
     for (unsigned i = 0; i < copies; i++) { /* acquire: only what comes after does */
         assert_int_equal(seen.barrier[i].srcStageMask, 0);
         assert_int_equal(seen.barrier[i].srcAccessMask, 0);
-        assert_true(seen.barrier[i].dstStageMask & VK_PIPELINE_STAGE_2_COMPUTE_SHADER_BIT);
-        assert_true(seen.barrier[i].dstStageMask & VK_PIPELINE_STAGE_2_VERTEX_SHADER_BIT);
-        assert_int_equal(seen.barrier[i].dstAccessMask, VK_ACCESS_2_SHADER_STORAGE_READ_BIT);
+        assert_true((seen.barrier[i].dstStageMask & every) == every);
+        assert_true(seen.barrier[i].dstAccessMask == VK_ACCESS_2_MEMORY_READ_BIT);
     }
     memset(&seen, 0, sizeof seen);
     assert_int_equal(stp_resident_record_upload(&s.engine.env, resident, NULL, other),
@@ -149,10 +176,84 @@ static void test_one_family(void **state)
     assert_int_equal(seen.barriers + seen.images + seen.others, 0);
     assert_int_equal(seen.memory, 1);
     assert_true(seen.all.srcAccessMask & VK_ACCESS_2_TRANSFER_WRITE_BIT);
-    assert_int_equal(seen.all.dstAccessMask, VK_ACCESS_2_SHADER_STORAGE_READ_BIT);
+    assert_true((seen.all.dstStageMask & every) == every);
+    assert_true(seen.all.dstAccessMask == VK_ACCESS_2_MEMORY_READ_BIT);
     memset(&seen, 0, sizeof seen);
     stp_resident_record_acquire(resident, NULL, s.engine.family);
     assert_int_equal(seen.barriers + seen.images + seen.memory + seen.copies + seen.others, 0);
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
+    stage_close(&s);
+}
+
+/* Staging may be released once the copies are done, which is before or after the acquisition is
+ * recorded; but not before the copies are. */
+static void test_released(void **state)
+{
+    struct stage s;
+    struct stp_plan *plan;
+    VkBuffer copied[MOST];
+    stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
+    const uint32_t own = s.engine.family, other = own + 1;
+    struct stp_resident *resident = staged(&s, &plan);
+    assert_int_equal(stp_resident_record_upload(&s.engine.env, resident, NULL, other), STP_OK);
+    memcpy(copied, seen.copied, sizeof copied);
+    memset(&seen, 0, sizeof seen);
+    stp_resident_release_staging(resident);
+    stp_resident_record_acquire(resident, NULL, other);
+    expect_hand_over(copied, 3, other, own);
+    stp_resident_release_staging(resident);
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
+    resident = staged(&s, &plan);
+    stp_resident_release_staging(resident);
+    assert_int_equal(stp_resident_record_upload(&s.engine.env, resident, NULL, own),
+                     STP_ERROR_ARGUMENT);
+    assert_non_null(strstr(s.engine.last, "released"));
+    assert_int_equal(seen.copies + seen.barriers + seen.memory + seen.others, 0);
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
+    stage_close(&s);
+}
+
+/* Where the host's images change hands: the first and the last barrier of a frame. Whatever the
+ * host did before in any stage is waited for, and whatever it does after waits. */
+static void test_every_stage(void **state)
+{
+
+    const struct stp_render_params params = { .method = STP_METHOD_EXACT };
+    const struct stp_host_frame_params host = { .color_format = VK_FORMAT_R32G32B32A32_SFLOAT,
+                                                .depth_format = VK_FORMAT_D32_SFLOAT };
+    struct stage s;
+    struct stp_plan *plan;
+    stage_open(&s, host.color_format, host.depth_format, NULL);
+    struct stp_resident *resident = staged(&s, &plan);
+    stp_plan_destroy(&plan);
+    plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &params);
+    struct stp_frame *frame = stage_frame(&s.engine, s.context, plan, &host);
+    struct stp_targets targets = stage_targets(&s);
+    VkCommandBuffer commands = engine_begin(&s.engine, 0);
+    stage_clear(commands, &s, NULL, 0);
+    memset(&seen, 0, sizeof seen);
+    seen.target = s.color.image;
+    assert_int_equal(stp_resident_record_upload(&s.engine.env, resident, commands, s.engine.family),
+                     STP_OK);
+    assert_int_equal(
+        stp_frame_record(&s.engine.env, frame, resident, &s.camera, &targets, commands), STP_OK);
+    assert_int_equal(seen.images, 2);
+    for (unsigned i = 0; i < 2; i++) {
+        const VkMemoryBarrier2 *all = i ? &seen.last_all : &seen.first_all;
+        const VkImageMemoryBarrier2 *image = i ? &seen.last_image : &seen.first_image;
+        assert_true((all->srcStageMask & all->dstStageMask & every) == every);
+        assert_true((image->srcStageMask & image->dstStageMask & every) == every);
+        assert_true(all->srcAccessMask == VK_ACCESS_2_MEMORY_WRITE_BIT);
+        assert_true(all->dstAccessMask ==
+                    (VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT));
+        assert_true(image->image == s.color.image);
+    }
+    engine_submit(&s.engine, 0);
+    engine_finish(&s.engine);
+    stp_frame_destroy(&frame);
     stp_resident_destroy(&resident);
     stp_plan_destroy(&plan);
     stage_close(&s);
@@ -163,6 +264,8 @@ int main(void)
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_two_families),
         cmocka_unit_test(test_one_family),
+        cmocka_unit_test(test_released),
+        cmocka_unit_test(test_every_stage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

@@ -7,7 +7,7 @@ import tree
 WORDS = re.compile(
     r"\bTO[D]O\b|\bFIX[M]E\b|\bXX[X]\b|\bHA[C]K\b|\bnot[ ]implemented\b|\bunimple[m]ented\b"
     r"|\bplace[h]older\b|^\s*#\s*if[ ]0\b|/wor[k]/|/far[m]/|\bC[E]O\b|\bsub[a]gents?\b"
-    r"|\b(?:this|the)[ ]session\b|\blanguage[ ]model\b|/ho[m]e/\w+/|/ro[o]t/")
+    r"|\b[Ii]ssue[ ]\d|\b(?:this|the)[ ]session\b|\blanguage[ ]model\b|/ho[m]e/\w+/|/ro[o]t/")
 
 
 def check(path):

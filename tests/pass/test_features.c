@@ -251,6 +251,66 @@ static void test_keys_without_texel_buffers(void **state)
     device_close(&device);
 }
 
+/* A plan that was made for a device with a feature, on one without: refused, by its name. */
+static void expect_named(struct device *device, const struct stp_scene *scene,
+                         const struct stp_camera *camera, const struct stp_render_params *params,
+                         const char *name)
+{
+    struct stp_limits limits;
+    struct stp_plan *plan = NULL;
+    struct stp_image *image = NULL;
+    unsigned lines = device->lines;
+    stp_limits_lavapipe(&limits);
+    assert_int_equal(stp_plan_create(&device->env, scene, camera, params, &limits, &plan), STP_OK);
+    assert_int_equal(stp_render(&device->env, device->context, scene, plan, 0, &image, NULL),
+                     STP_ERROR_FEATURE);
+    assert_null(image);
+    assert_int_equal(device->lines, lines + 1);
+    assert_non_null(strstr(device->last, name));
+    stp_plan_destroy(&plan);
+}
+
+static void test_plans_for_others(void **state)
+{
+    struct device device;
+    struct stp_camera camera = hard_view(0, 33, 25);
+    struct stp_scene *scene = scene_random(33, 8, 0.05);
+    struct stp_render_params p = { .method = STP_METHOD_TWO_PASS, .path = STP_PATH_RASTER };
+    device_open(&device, STP_FEATURE_FLOAT32_BLEND | STP_FEATURE_TEXEL_BUFFERS);
+    expect_named(&device, scene, &camera, &p, "float32-blend");
+    p = (struct stp_render_params){ .method = STP_METHOD_EXACT };
+    expect_named(&device, scene, &camera, &p, "texel-buffers");
+    p.method = STP_METHOD_PYRAMID;
+    expect_named(&device, scene, &camera, &p, "texel-buffers");
+    p = (struct stp_render_params){ .method = STP_METHOD_TWO_PASS };
+    expect_reference(&device, scene, &camera, &p, &float_tolerance, "neither blended nor fetched");
+    stp_scene_destroy(&scene);
+    device_close(&device);
+}
+
+/* Nothing to draw and nothing to copy, through staging: a copy of no bytes is no command. */
+static void test_nothing_to_stage(void **state)
+{
+    struct device device;
+    struct stp_camera camera = hard_view(0, 33, 25);
+    struct stp_scene *scene = scene_make(9, 1, 0.05);
+    device_open(&device, STP_FEATURE_SHARED_MEMORY);
+    for (int i = 0; i < 9; i++)
+        scene_fade(scene, scene_add(scene, v3(0.1 * i, 0, 0), v3(0, 0, 1), 0.1), 0);
+    scene_finish(scene);
+    assert_int_equal(stp_scene_cover(NULL, scene, NULL), STP_OK);
+    for (int t = STP_TRANSPARENCY_FAST; t <= STP_TRANSPARENCY_EXACT; t++) {
+        struct stp_render_params p = { .transparency = t };
+        struct stp_image *image = device_render(&device, scene, &camera, &p);
+        struct stp_channel *alpha = stp_image_find(image, "A");
+        for (size_t i = 0; i < (size_t)image->width * image->height; i++)
+            assert_true(alpha->data.f[i] == 0);
+        stp_image_destroy(&image);
+    }
+    stp_scene_destroy(&scene);
+    device_close(&device);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -263,6 +323,8 @@ int main(void)
         cmocka_unit_test(test_fifty_groups),
         cmocka_unit_test(test_slots_without_texel_buffers),
         cmocka_unit_test(test_keys_without_texel_buffers),
+        cmocka_unit_test(test_plans_for_others),
+        cmocka_unit_test(test_nothing_to_stage),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

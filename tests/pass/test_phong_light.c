@@ -112,7 +112,7 @@ static void test_shades(void **state)
     struct stp_camera camera = hard_view(0, 61, 47);
     for (int colors = 0; colors < 2; colors++) {
         struct stp_scene *scene = random_scene(41, 60, !colors);
-        assert_int_equal(stp_scene_set_lights(scene, lights, 2), STP_OK);
+        assert_int_equal(stp_scene_set_lights(NULL, scene, lights, 2), STP_OK);
         for (unsigned i = 0; i < sizeof ways / sizeof *ways; i++) {
             struct stp_render_params p = ways[i].params;
             p.method = STP_METHOD_TWO_PASS;
@@ -140,7 +140,7 @@ static void test_light_cube(void **state)
                                         .direction = { d.x, d.y, d.z },
                                         .color = { 0.3f, (float)uniform(&seed), 0.7f } };
     }
-    assert_int_equal(stp_scene_set_lights(scene, lights, STP_MAX_LIGHTS), STP_OK);
+    assert_int_equal(stp_scene_set_lights(NULL, scene, lights, STP_MAX_LIGHTS), STP_OK);
     struct stp_image *summed = device_render(&device, scene, &camera, &p);
     struct stp_plan *plan = NULL;
     p.light_cube = STP_ON;

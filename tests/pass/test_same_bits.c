@@ -81,7 +81,7 @@ static struct stp_camera framed(const struct stp_scene *scene)
     struct stp_frame_params params = {
         .azimuth = 0.4, .elevation = 0.3, .width = WIDTH, .height = HEIGHT
     };
-    assert_int_equal(stp_camera_frame(scene, &params, &camera), STP_OK);
+    assert_int_equal(stp_camera_frame(NULL, scene, &params, &camera), STP_OK);
     return camera;
 }
 

@@ -114,7 +114,7 @@ static void test_lights(void **state)
             { .positional = true, .position = { 3, 0, -4 }, .color = { 1, 1, 1 } },
             { .at_eye = true, .color = { 0.25f, 0.25f, 0.25f } },
         };
-        assert_int_equal(stp_scene_set_lights(scene, lights, 4), STP_OK);
+        assert_int_equal(stp_scene_set_lights(NULL, scene, lights, 4), STP_OK);
         render_sheet(scene, &p, FLAT, "four lights");
     }
 }

@@ -120,7 +120,7 @@ static struct stp_camera framed(const struct stp_scene *scene, const struct wish
     struct stp_frame_params params = {
         .azimuth = 0.4, .elevation = 0.3, .width = WIDTH, .height = HEIGHT
     };
-    assert_int_equal(stp_camera_frame(scene, &params, &camera), STP_OK);
+    assert_int_equal(stp_camera_frame(NULL, scene, &params, &camera), STP_OK);
     if (wish->near_depth > 0)
         camera.near_depth = wish->near_depth;
     return camera;
@@ -320,7 +320,7 @@ static void test_refused(void **state)
     assert_int_equal(stp_scene_share(env, scene, 1, 2), STP_OK);
     assert_int_equal(stp_scene_share(env, scene, 1, 2), STP_ERROR_ARGUMENT);
     assert_int_equal(stp_scene_save(env, scene, "never.ply"), STP_ERROR_ARGUMENT);
-    assert_int_equal(stp_camera_frame(scene, NULL, &untouched), STP_ERROR_ARGUMENT);
+    assert_int_equal(stp_camera_frame(NULL, scene, NULL, &untouched), STP_ERROR_ARGUMENT);
     assert_int_equal(device_plan(device, scene, &camera, &params, &plan), STP_ERROR_ARGUMENT);
     params.method = STP_METHOD_AUTO;
     params.path = STP_PATH_RASTER;

@@ -133,7 +133,8 @@ static struct stp_scene *ball(size_t count, float opacity)
     return scene;
 }
 
-/* The bars of issue 4, of a closed surface. */
+/* How far Algorithms 2 and 3 may be from exact layers on a closed surface, where each ray has two.
+ */
 static void errors_of_a_ball(void **state)
 {
     for (int i = 0; i < 2; i++) {

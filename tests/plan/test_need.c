@@ -57,12 +57,12 @@ static void two_lights(struct inputs *in)
 {
     const struct stp_light lights[] = { { .at_eye = true, .color = { 1, 1, 1 } },
                                         { .direction = { 1, 1, 1 }, .color = { 1, 1, 1 } } };
-    stp_scene_set_lights(in->scene, lights, 2);
+    stp_scene_set_lights(NULL, in->scene, lights, 2);
 }
 static void dim_light(struct inputs *in)
 {
     const struct stp_light light = { .at_eye = true, .color = { 1, 0.5f, 1 } };
-    stp_scene_set_lights(in->scene, &light, 1);
+    stp_scene_set_lights(NULL, in->scene, &light, 1);
 }
 static void two_sided(struct inputs *in)
 {

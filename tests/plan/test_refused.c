@@ -104,6 +104,22 @@ static void too_wide(struct inputs *in)
 {
     in->camera.width = 65537;
 }
+static void matrix_not_finite(struct inputs *in)
+{
+    in->camera.world_to_camera[6] = NAN;
+}
+static void place_not_finite(struct inputs *in)
+{
+    in->camera.world_to_camera[11] = INFINITY;
+}
+static void centre_not_finite(struct inputs *in)
+{
+    in->camera.cy = NAN;
+}
+static void focal_not_finite(struct inputs *in)
+{
+    in->camera.fx = INFINITY;
+}
 static void near_is_far(struct inputs *in)
 {
     in->camera.far_depth = in->camera.near_depth;
@@ -271,6 +287,10 @@ static const struct {
     { no_width, STP_ERROR_ARGUMENT, "0 x 48" },
     { no_height, STP_ERROR_ARGUMENT, "64 x 0" },
     { too_wide, STP_ERROR_ARGUMENT, "65537 x 48" },
+    { matrix_not_finite, STP_ERROR_ARGUMENT, "matrix element or the centre is not finite" },
+    { place_not_finite, STP_ERROR_ARGUMENT, "matrix element or the centre is not finite" },
+    { centre_not_finite, STP_ERROR_ARGUMENT, "matrix element or the centre is not finite" },
+    { focal_not_finite, STP_ERROR_ARGUMENT, "focal" },
     { near_is_far, STP_ERROR_ARGUMENT, "near < far" },
     { near_beyond_far, STP_ERROR_ARGUMENT, "near < far" },
     { near_is_zero, STP_ERROR_ARGUMENT, "near < far" },
@@ -351,12 +371,84 @@ static void test_out_of_memory(void **state)
     }
 }
 
+/* Numbers that no enum has, in each field of the params that is one. */
+static void test_unknown_choices(void **state)
+{
+    const size_t field[] = {
+        offsetof(struct stp_render_params, method),
+        offsetof(struct stp_render_params, transparency),
+        offsetof(struct stp_render_params, layers),
+        offsetof(struct stp_render_params, path),
+        offsetof(struct stp_render_params, payload),
+        offsetof(struct stp_render_params, voronoi),
+        offsetof(struct stp_render_params, kernel),
+        offsetof(struct stp_render_params, shade),
+        offsetof(struct stp_render_params, cull),
+        offsetof(struct stp_render_params, light_cube),
+        offsetof(struct stp_render_params, axis_merge),
+    };
+    const unsigned value[] = { 7, 99, UINT32_MAX };
+    for (size_t i = 0; i < 3 * sizeof field / sizeof *field; i++) {
+        struct inputs in = plain_inputs();
+        struct plan_log log = { 0 };
+        struct stp_env env = { .log = plan_keep_line, .user = &log };
+        struct stp_plan *plan = NULL;
+        struct stp_choice choice;
+        memcpy((char *)&in.params + field[i / 3], &value[i % 3], sizeof *value);
+        assert_int_equal(stp_plan_create(&env, in.scene, &in.camera, &in.params, &in.limits, &plan),
+                         STP_ERROR_ARGUMENT);
+        assert_null(plan);
+        assert_int_equal(log.lines, 1);
+        assert_int_equal(
+            stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice),
+            STP_ERROR_ARGUMENT);
+        assert_int_equal(log.lines, 2);
+        release_inputs(&in);
+    }
+}
+
+static void test_names(void **state)
+{
+    assert_string_equal(stp_method_name(STP_METHOD_AXIS), "axis");
+    assert_string_equal(stp_transparency_name(STP_TRANSPARENCY_REFERENCE), "reference");
+    assert_string_equal(stp_path_name(STP_PATH_COMPUTE), "compute");
+    assert_null(stp_method_name(STP_METHOD_AXIS + 1));
+    assert_null(stp_transparency_name(STP_TRANSPARENCY_REFERENCE + 1));
+    assert_null(stp_path_name(STP_PATH_COMPUTE + 1));
+    assert_null(stp_method_name((enum stp_method) - 1));
+}
+
+/* NULL params are zeroed params. */
+static void test_defaults(void **state)
+{
+    struct inputs in = plain_inputs();
+    const struct stp_render_params zeroed = { 0 };
+    struct stp_plan *plan[2] = { NULL };
+    for (int i = 0; i < 2; i++)
+        assert_int_equal(
+            stp_plan_create(NULL, in.scene, &in.camera, i ? NULL : &zeroed, &in.limits, &plan[i]),
+            STP_OK);
+    char *text[2] = { stp_plan_print(plan[0]), stp_plan_print(plan[1]) };
+    assert_string_equal(text[0], text[1]);
+    for (int i = 0; i < 2; i++) {
+        free(text[i]);
+        stp_plan_destroy(&plan[i]);
+    }
+    const struct stp_facts *facts = stp_scene_facts(in.scene);
+    assert_int_equal(stp_choose_estimates(facts, NULL), stp_choose_estimates(facts, &zeroed));
+    assert_int_equal(stp_plan_needs_groups(facts, NULL, &in.limits),
+                     stp_plan_needs_groups(facts, &zeroed, &in.limits));
+    assert_int_equal(stp_plan_needs_cover(facts, NULL, &in.limits),
+                     stp_plan_needs_cover(facts, &zeroed, &in.limits));
+    release_inputs(&in);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_orthographic_near),
-        cmocka_unit_test(test_out_of_memory),
+        cmocka_unit_test(test_refused),       cmocka_unit_test(test_orthographic_near),
+        cmocka_unit_test(test_out_of_memory), cmocka_unit_test(test_unknown_choices),
+        cmocka_unit_test(test_names),         cmocka_unit_test(test_defaults),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

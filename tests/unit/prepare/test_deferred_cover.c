@@ -144,7 +144,8 @@ static void duplicates_cover(void **state)
     scene_free(&scene);
 }
 
-/* The bar of issue 4, on a closed surface of four discs at a place. */
+/* What ZP 4.2 reports of its models (at most so many duplicates), on a closed surface of four discs
+ * at a place. */
 static void few_duplicates_on_a_sphere(void **state)
 {
     struct stp_scene scene = sphere(20000);

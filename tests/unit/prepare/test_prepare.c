@@ -114,7 +114,7 @@ static void counts_and_facts(void **state)
     assert_int_equal(f->bad_normals, normals);
     assert_int_equal(f->bad_radii, radii);
     assert_true(f->bounds[0] == low && f->bounds[3] == high);
-    assert_true(f->has_color && !f->has_opacity && !f->transparent);
+    assert_true(f->has_color && !f->transparent);
     assert_true(f->radius_median == 0.05f && f->color_max <= 1 && f->color_max > 0.99f);
     assert_true(f->outwardness > 0.2 && !f->two_sided);
     assert_int_equal(f->objects, 1);
@@ -189,7 +189,7 @@ static void several_objects(void **state)
     assert_true(scene->objects[0].epsilon == 0.5 && scene->objects[1].epsilon == 0.25);
     assert_true(scene->objects[0].material.specular == 0 &&
                 scene->objects[0].material.shininess == 0);
-    assert_true(scene->facts.transparent && !scene->facts.has_opacity);
+    assert_true(scene->facts.transparent);
     assert_true(scene->facts.mixed && scene->facts.uniform_opacity);
     assert_int_equal(scene->facts.objects, 3);
     assert_int_equal(scene->facts.normals, STP_NORMALS_ESTIMATED);
@@ -305,7 +305,7 @@ static void attributes_are_cleaned(void **state)
     stp_scene_create(NULL, &scene);
     stp_scene_add_points(NULL, scene, &points, NULL);
     assert_int_equal(stp_scene_prepare(NULL, scene, NULL), STP_OK);
-    assert_true(scene->facts.has_opacity && !scene->facts.transparent);
+    assert_true(!scene->facts.transparent);
     assert_null(scene->splats.opacity);
     for (size_t i = 0; i < 4; i++) {
         const float *c = scene->splats.color[i];

@@ -1,6 +1,8 @@
 /* A cloud that stays in its file is, chunk by chunk, the scene that reading it whole gives. */
 #include "clouds.h"
 
+#include <stipple/fit.h>
+
 #include <stdio.h>
 #include <unistd.h>
 #include <zlib.h>
@@ -211,8 +213,8 @@ static void expect_same(size_t count, unsigned what, const double *box, size_t c
         expect_facts(stream, whole);
         expect_chunks(stream, &whole->splats, threads, true);
         struct stp_camera a, b;
-        assert_int_equal(stp_camera_frame(stream, NULL, &a), STP_OK);
-        assert_int_equal(stp_camera_frame(whole, NULL, &b), STP_OK);
+        assert_int_equal(stp_camera_frame(NULL, stream, NULL, &a), STP_OK);
+        assert_int_equal(stp_camera_frame(NULL, whole, NULL, &b), STP_OK);
         assert_memory_equal(a.world_to_camera, b.world_to_camera, sizeof a.world_to_camera);
         assert_true(a.near_depth == b.near_depth);
         stp_scene_destroy(&stream);
@@ -326,8 +328,11 @@ static void test_refused(void **state)
     assert_non_null(strstr(heard.last, "--stream off"));
     assert_int_equal(stp_scene_cover(&env, scene, NULL), STP_ERROR_ARGUMENT);
     assert_int_equal(stp_scene_save(&env, scene, "/tmp/never"), STP_ERROR_ARGUMENT);
+    assert_int_equal(stp_scene_fit(&env, scene, &(struct stp_fit_params){ .tolerance = 0.1 }, NULL),
+                     STP_ERROR_ARGUMENT);
+    assert_non_null(strstr(heard.last, "fitting takes all points in memory"));
     assert_int_equal(stp_scene_add_points(&env, scene, &point, NULL), STP_ERROR_ARGUMENT);
-    assert_int_equal(heard.errors, 4);
+    assert_int_equal(heard.errors, 5);
     stp_scene_destroy(&scene);
     unlink(file.path);
 }
@@ -359,7 +364,7 @@ static enum stp_result run(const struct file *file, const struct stp_env *env)
     if (result == STP_OK)
         result = stp_scene_prepare(env, scene, NULL);
     if (result == STP_OK)
-        result = stp_camera_frame(scene, NULL, &camera);
+        result = stp_camera_frame(NULL, scene, NULL, &camera);
     if (result == STP_OK)
         assert_non_null(scene->stream);
     if (result == STP_OK)

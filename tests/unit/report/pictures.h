@@ -16,7 +16,7 @@
 static inline float *add_plane(struct stp_image *image, const char *name)
 {
     struct stp_channel *channel;
-    assert_int_equal(stp_image_add(image, name, STP_CHANNEL_FLOAT, &channel), STP_OK);
+    assert_int_equal(stp_image_add(NULL, image, name, STP_CHANNEL_FLOAT, &channel), STP_OK);
     return channel->data.f;
 }
 
@@ -33,7 +33,7 @@ static inline struct stp_image *grey_picture(uint32_t width, uint32_t height, fl
     static const char *const name[8] = { "R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z" };
     const float value[8] = { grey, grey, grey, 1, 1, 0, 0, 1 };
     struct stp_image *image;
-    assert_int_equal(stp_image_create(width, height, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, width, height, &image), STP_OK);
     for (int c = 0; c < 8; c++) {
         float *plane = add_plane(image, name[c]);
         for (size_t i = 0; i < (size_t)width * height; i++)

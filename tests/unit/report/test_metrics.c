@@ -194,7 +194,7 @@ static void normal_percentile(void **state)
 static void planes_that_one_lacks_are_left_out(void **state)
 {
     struct stp_image *a = grey_picture(2, 1, 0.5f), *b;
-    assert_int_equal(stp_image_create(2, 1, &b), STP_OK);
+    assert_int_equal(stp_image_create(NULL, 2, 1, &b), STP_OK);
     for (int i = 0; i < 3; i++)
         add_plane(b, i == 0 ? "R" : i == 1 ? "G" : "B");
     add_plane(b, "N.X")[0] = 1;
@@ -251,7 +251,7 @@ static void what_cannot_be_compared_is_said(void **state)
     expect_failure(a, b, NULL, STP_ERROR_ARGUMENT, "7x3", "3x7");
     for (int i = 0; i < 4; i++)
         expect_failure(a, a, &bad[i], STP_ERROR_ARGUMENT, "epsilon", "out of range");
-    assert_int_equal(stp_image_create(7, 3, &c), STP_OK);
+    assert_int_equal(stp_image_create(NULL, 7, 3, &c), STP_OK);
     add_plane(c, "R");
     expect_failure(a, c, NULL, STP_ERROR_FORMAT, "reference", "G");
     expect_failure(c, a, NULL, STP_ERROR_FORMAT, "picture", "G");

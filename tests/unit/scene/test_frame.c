@@ -7,6 +7,7 @@
 #include <string.h>
 #include <cmocka.h>
 
+#include "../log_book.h"
 #include "base/vec.h"
 #include "scene/scene.h"
 
@@ -101,7 +102,7 @@ static void fits_from_everywhere(void **state)
                                           .width = size[view / 4 % 4][0],
                                           .height = size[view / 4 % 4][1] };
             struct stp_camera c;
-            assert_int_equal(stp_camera_frame(scene, &p, &c), STP_OK);
+            assert_int_equal(stp_camera_frame(NULL, scene, &p, &c), STP_OK);
             assert_rigid(c.world_to_camera);
             assert_true(c.cx == 0.5 * c.width && c.cy == 0.5 * c.height && c.fx == c.fy);
             check_fit(scene, &c);
@@ -133,7 +134,7 @@ static void conventions(void **state)
                                       .elevation = view[i].elevation,
                                       .up = view[i].up };
         struct stp_camera c;
-        assert_int_equal(stp_camera_frame(scene, &p, &c), STP_OK);
+        assert_int_equal(stp_camera_frame(NULL, scene, &p, &c), STP_OK);
         struct vec3 b = m4_direction(c.world_to_camera, view[i].backward);
         struct vec3 u = m4_direction(c.world_to_camera, view[i].upward);
         assert_true(fabs(b.z - 1) < 1e-12 && fabs(u.y - 1) < 1e-12);
@@ -153,7 +154,7 @@ static void points_without_extent(void **state)
             stp_scene_create(NULL, &scene);
             stp_scene_add_points(NULL, scene, &points, NULL);
             assert_int_equal(stp_scene_prepare(NULL, scene, NULL), STP_OK);
-            assert_int_equal(stp_camera_frame(scene, &params, &c), STP_OK);
+            assert_int_equal(stp_camera_frame(NULL, scene, &params, &c), STP_OK);
             for (int i = 0; i < 16; i++)
                 assert_true(isfinite(c.world_to_camera[i]));
             check_fit(scene, &c);
@@ -178,7 +179,7 @@ static void outliers_do_not_count(void **state)
     stp_scene_create(NULL, &scene);
     stp_scene_add_points(NULL, scene, &points, NULL);
     assert_int_equal(stp_scene_prepare(NULL, scene, NULL), STP_OK);
-    assert_int_equal(stp_camera_frame(scene, NULL, &c), STP_OK);
+    assert_int_equal(stp_camera_frame(NULL, scene, NULL, &c), STP_OK);
     struct vec3 eye = m4_point(c.world_to_camera, v3(0, 0, 0));
     assert_true(v3_length(eye) < 10);
     stp_scene_destroy(&scene);
@@ -196,20 +197,41 @@ static void bad_arguments(void **state)
     memset(&c, 7, sizeof c);
     before = c;
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
-        assert_int_equal(stp_camera_frame(scene, &bad[i], &c), STP_ERROR_ARGUMENT);
+        assert_int_equal(stp_camera_frame(NULL, scene, &bad[i], &c), STP_ERROR_ARGUMENT);
     stp_scene_create(NULL, &empty);
-    assert_int_equal(stp_camera_frame(empty, NULL, &c), STP_ERROR_ARGUMENT);
+    assert_int_equal(stp_camera_frame(NULL, empty, NULL, &c), STP_ERROR_ARGUMENT);
     assert_memory_equal(&c, &before, sizeof c);
     stp_scene_destroy(&scene);
     stp_scene_destroy(&empty);
 }
 
+/* Lines go to the caller's log, and its threads change nothing. */
+static void heeds_its_env(void **state)
+{
+    struct log_book book;
+    struct stp_env one = logged_env(&book, 1), many = { .threads = 5 };
+    struct stp_scene *scene = make_scene(0, 0);
+    struct stp_camera a, b;
+    const struct stp_light dark = { .direction = { 0 } };
+    memset(&a, 0, sizeof a);
+    memset(&b, 0, sizeof b);
+    assert_int_equal(stp_camera_frame(&one, scene, NULL, &a), STP_OK);
+    assert_int_equal(stp_camera_frame(&many, scene, NULL, &b), STP_OK);
+    assert_memory_equal(&a, &b, sizeof a);
+    assert_int_equal(stp_camera_frame(&one, scene, &(struct stp_frame_params){ .fov_y = -1 }, &a),
+                     STP_ERROR_ARGUMENT);
+    assert_int_equal(book.errors, 1);
+    assert_int_equal(stp_scene_set_lights(&one, scene, &dark, 1), STP_ERROR_ARGUMENT);
+    assert_int_equal(book.errors, 2);
+    stp_scene_destroy(&scene);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(fits_from_everywhere),  cmocka_unit_test(conventions),
-        cmocka_unit_test(points_without_extent), cmocka_unit_test(outliers_do_not_count),
-        cmocka_unit_test(bad_arguments),
+        cmocka_unit_test(heeds_its_env),         cmocka_unit_test(fits_from_everywhere),
+        cmocka_unit_test(conventions),           cmocka_unit_test(points_without_extent),
+        cmocka_unit_test(outliers_do_not_count), cmocka_unit_test(bad_arguments),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

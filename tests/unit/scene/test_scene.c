@@ -80,13 +80,14 @@ static void lights(void **state)
     struct stp_light many[STP_MAX_LIGHTS + 1] = { sun, lamp };
     struct stp_scene *scene;
     stp_scene_create(NULL, &scene);
-    assert_int_equal(stp_scene_set_lights(scene, many, 2), STP_OK);
+    assert_int_equal(stp_scene_set_lights(NULL, scene, many, 2), STP_OK);
     assert_true(scene->light_count == 2 && scene->lights[1].positional);
     assert_true(stp_scene_facts(scene)->positional_lights);
-    assert_int_equal(stp_scene_set_lights(scene, many, STP_MAX_LIGHTS + 1), STP_ERROR_ARGUMENT);
-    assert_int_equal(stp_scene_set_lights(scene, &none, 1), STP_ERROR_ARGUMENT);
+    assert_int_equal(stp_scene_set_lights(NULL, scene, many, STP_MAX_LIGHTS + 1),
+                     STP_ERROR_ARGUMENT);
+    assert_int_equal(stp_scene_set_lights(NULL, scene, &none, 1), STP_ERROR_ARGUMENT);
     assert_int_equal(scene->light_count, 2);
-    assert_int_equal(stp_scene_set_lights(scene, NULL, 0), STP_OK);
+    assert_int_equal(stp_scene_set_lights(NULL, scene, NULL, 0), STP_OK);
     assert_true(scene->light_count == 1 && scene->lights[0].at_eye);
     assert_false(stp_scene_facts(scene)->positional_lights);
     stp_scene_destroy(&scene);

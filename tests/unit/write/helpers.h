@@ -130,7 +130,7 @@ static inline struct stp_channel *add_plane(struct stp_image *image, const char 
                                             enum stp_channel_type type)
 {
     struct stp_channel *channel = NULL;
-    assert_int_equal(stp_image_add(image, name, type, &channel), STP_OK);
+    assert_int_equal(stp_image_add(NULL, image, name, type, &channel), STP_OK);
     return channel;
 }
 

@@ -16,7 +16,7 @@ static struct stp_image *make_image(uint32_t width, uint32_t height, uint32_t se
     };
     const char *names[] = { "Z", "R", "G", "N.X", "B", "A" };
     struct stp_image *image = NULL;
-    assert_int_equal(stp_image_create(width, height, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, width, height, &image), STP_OK);
     size_t pixels = (size_t)width * height;
     for (int c = 0; c < 6; c++) {
         struct stp_channel *channel = add_plane(image, names[c], STP_CHANNEL_FLOAT);
@@ -92,7 +92,7 @@ static void test_nan_survives(void **state)
 {
     char path[PATH_MAX];
     struct stp_image *image = NULL, *read = NULL;
-    assert_int_equal(stp_image_create(2, 1, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, 2, 1, &image), STP_OK);
     add_plane(image, "R", STP_CHANNEL_FLOAT)->data.f[0] = NAN;
     struct stp_channel *half = add_plane(image, "G", STP_CHANNEL_FLOAT);
     half->half = true;
@@ -141,7 +141,7 @@ static void test_bad_pictures(void **state)
     struct log_book book;
     struct stp_env env = logged_env(&book, 1);
     struct stp_image *image = NULL;
-    assert_int_equal(stp_image_create(2, 2, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, 2, 2, &image), STP_OK);
     in_scratch(*state, "bad.exr", path);
     assert_int_equal(stp_image_write_exr(&env, image, path, NULL), STP_ERROR_ARGUMENT);
     add_plane(image, "R", STP_CHANNEL_FLOAT);

@@ -53,7 +53,7 @@ static void write_positions(const struct stp_camera *camera, const char *path)
     struct stp_image *image = NULL;
     float *plane[3];
     uint32_t seed = 8;
-    assert_int_equal(stp_image_create(WIDTH, HEIGHT, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, WIDTH, HEIGHT, &image), STP_OK);
     for (int c = 0; c < 3; c++)
         plane[c] = add_plane(image, names[c], STP_CHANNEL_FLOAT)->data.f;
     image->has_camera = true;

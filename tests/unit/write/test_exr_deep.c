@@ -14,7 +14,7 @@ static struct stp_image *make_image(bool half)
     struct stp_image *image = NULL;
     struct deep_list list = { 0 };
     uint32_t seed = 5;
-    assert_int_equal(stp_image_create(WIDTH, HEIGHT, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, WIDTH, HEIGHT, &image), STP_OK);
     for (int c = 0; c < 5; c++)
         add_plane(image, names[c], STP_CHANNEL_FLOAT)->half = half && c < 4;
     for (uint32_t i = 0; i < WIDTH * HEIGHT; i++) {
@@ -140,7 +140,7 @@ static void test_refused(void **state)
     struct log_book book;
     struct stp_env env = logged_env(&book, 1);
     struct stp_image *image = NULL;
-    assert_int_equal(stp_image_create(2, 2, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, 2, 2, &image), STP_OK);
     in_scratch(*state, "refused.exr", path);
     assert_int_equal(stp_image_write_deep_exr(&env, image, path, NULL), STP_ERROR_ARGUMENT);
     add_plane(image, "R", STP_CHANNEL_FLOAT);

@@ -41,7 +41,7 @@ static struct stp_image *make_image(void)
     const char *names[] = { "R", "G", "B", "A", "Z" };
     struct stp_image *image = NULL;
     uint32_t seed = 3;
-    assert_int_equal(stp_image_create(90, 70, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, 90, 70, &image), STP_OK);
     for (int c = 0; c < 5; c++) {
         float *plane = add_plane(image, names[c], STP_CHANNEL_FLOAT)->data.f;
         for (int i = 0; i < 90 * 70; i++)

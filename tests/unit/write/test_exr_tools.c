@@ -10,7 +10,7 @@ static struct stp_image *make_image(void)
     const char *names[] = { "R", "G", "B", "A", "Z", "N.X", "N.Y", "N.Z" };
     struct stp_image *image = NULL;
     uint32_t seed = 11;
-    assert_int_equal(stp_image_create(53, 37, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, 53, 37, &image), STP_OK);
     for (int c = 0; c < 8; c++) {
         struct stp_channel *channel = add_plane(image, names[c], STP_CHANNEL_FLOAT);
         for (int i = 0; i < 53 * 37; i++)

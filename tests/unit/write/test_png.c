@@ -15,7 +15,7 @@ static struct stp_image *make_image(bool alpha)
 {
     struct stp_image *image = NULL;
     const char *names[] = { "R", "G", "B", "A" };
-    assert_int_equal(stp_image_create(WIDTH, HEIGHT, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, WIDTH, HEIGHT, &image), STP_OK);
     for (int c = 0; c < (alpha ? 4 : 3); c++) {
         float *plane = add_plane(image, names[c], STP_CHANNEL_FLOAT)->data.f;
         for (int i = 0; i < WIDTH * HEIGHT; i++)
@@ -79,7 +79,7 @@ static void test_no_color(void **state)
     struct log_book book;
     struct stp_env env = logged_env(&book, 1);
     struct stp_image *image = NULL;
-    assert_int_equal(stp_image_create(2, 2, &image), STP_OK);
+    assert_int_equal(stp_image_create(NULL, 2, 2, &image), STP_OK);
     add_plane(image, "R", STP_CHANNEL_FLOAT);
     assert_int_equal(stp_image_write_png(&env, image, in_scratch(*state, "x.png", path), 0),
                      STP_ERROR_ARGUMENT);
