@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "base/thread.h"
 #include "base/vec.h"
 #include "reference/disc.h"
 #include "shared/frame.h"
