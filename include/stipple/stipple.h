@@ -6,10 +6,10 @@
  *                  -> stp_render (own context)  or  stp_resident / stp_frame (vulkan.h)
  *
  * Every params struct may be zeroed: zero means the default that its comment states; and wherever a
- * function takes `params`, NULL means all defaults, but for stp_context_import and
- * stp_frame_create, which need to know what is the host's. env may be NULL as well. Every function
- * that can fail returns enum stp_result; on failure its outputs are untouched and one line has gone
- * to env->log. Destroy functions take the address, accept NULL and set it to NULL.
+ * function takes `params`, NULL means all defaults, but for stp_context_import, stp_frame_create
+ * and stp_frame_scratch, which need to know what is the host's. env may be NULL as well. Every
+ * function that can fail returns enum stp_result; on failure its outputs are untouched and one line
+ * has gone to env->log. Destroy functions take the address, accept NULL and set it to NULL.
  *
  * Versions 0.x promise no stable binary interface: structs grow with every minor version, so
  * recompile what includes these headers with each. The numbers of enum stp_result stay. A library
