@@ -7,8 +7,11 @@
                                                  `sp FILE OUT SIZE FRAMES`, to run between ours
   tools/bench.py transparency FILE.ply...        error and time of transparent pictures, opacity
                                                  0.3 and 0.6, both faces; interleaved over rounds
-                                                 with the same splats, opaque; then the ratios. In
-                                                 parts: --part errors or times, --opacity A
+                                                 with the same splats, opaque; then the ratios,
+                                                 round by round: their median and middle half. In
+                                                 parts: --part errors or times, --opacity A. --part
+                                                 ratios times what is closest to its bar only: seven
+                                                 rounds in five minutes
 
 The view is the one that point renderers are compared with here: the centre of the bounding box from
 direction (0.4, 0.3, 1), y up, 30 degrees, the largest |ndc| of a centre 0.95; 1024 x 1024, back
@@ -57,6 +60,7 @@ RATIOS = [
     ("exact", "deferred, opaque", 1.5), ("exact", "deferred --overlap 0.4, opaque", 1.5),
     ("a peeled layer", "two-pass --path compute, opaque", 1.1),
 ]
+CLOSE = [RATIOS[0], RATIOS[1], RATIOS[2], RATIOS[5]]
 
 
 def positions(path):
@@ -177,15 +181,19 @@ def layers(model, view, more, folder, repeat="7"):
         return json.load(file)["frame_ms"]["median"]
 
 
-def ratios(model, opacity, times):
-    """Of the same round; their median. A peeled layer: an eighth of what layers 9 to 16 take."""
+def ratios(model, opacity, times, which):
+    """Of the same round; their median, and the range of their middle half. A peeled layer: an
+    eighth of what layers 9 to 16 take."""
     def of(name):
         return times[name if name.endswith("opaque") else f"{name}, opacity {opacity}"]
-    times[f"a peeled layer, opacity {opacity}"] = [
-        (b - a) / 8 for a, b in zip(of("peel --peel-layers 8"), of("peel --peel-layers 16"))]
-    for what, base, most in RATIOS:
-        value = statistics.median(a / b for a, b in zip(of(what), of(base)))
-        print(f"| {os.path.basename(model)}, opacity {opacity} | {what} / {base} | {value:.2f} | "
+    if which is RATIOS:
+        times[f"a peeled layer, opacity {opacity}"] = [
+            (b - a) / 8 for a, b in zip(of("peel --peel-layers 8"), of("peel --peel-layers 16"))]
+    for what, base, most in which:
+        values = sorted(a / b for a, b in zip(of(what), of(base)))
+        cut = len(values) // 4
+        print(f"| {os.path.basename(model)}, opacity {opacity} | {what} / {base} | "
+              f"{statistics.median(values):.3f} | {values[cut]:.3f} - {values[-1 - cut]:.3f} | "
               f"{most:.2f} |", flush=True)
 
 
@@ -206,13 +214,21 @@ def transparent_errors(model, view, opacity, folder):
               f"{covered['maximum']:.3f} |", flush=True)
 
 
-def transparent_times(model, view, opacities, folder, rounds):
+def timed_ways(opacities, which):
     ways = {name: way for opacity in opacities for name, way in faded(opacity).items()}
     ways.update((f"{' '.join(way)}, opaque", ["--method", *way]) for way in OPAQUE)
-    times = {}
+    if which is RATIOS:
+        return ways
+    names = {name for what, base, _ in which for name in [what, base]}
+    return {name: way for name, way in ways.items() if {name, name.split(", opacity")[0]} & names}
+
+
+def transparent_times(model, view, opacities, folder, rounds, which):
+    ways, times = timed_ways(opacities, which), {}
+    repeat = "3" if which is RATIOS else "1"
     for _ in range(rounds):
         for name, way in ways.items():
-            times.setdefault(name, []).append(layers(model, view, way, folder, "3"))
+            times.setdefault(name, []).append(layers(model, view, way, folder, repeat))
     for name, ms in times.items():
         print(f"| {os.path.basename(model)} | {name} | {statistics.median(ms):.1f} | "
               f"{min(ms):.1f} - {max(ms):.1f} |", flush=True)
@@ -221,7 +237,8 @@ def transparent_times(model, view, opacities, folder, rounds):
 
 def transparency(models, folder, options):
     view, opacities, measured = os.path.join(folder, "view.json"), options.opacity or ["0.3", "0.6"], {}
-    if options.part != "times":
+    which = CLOSE if options.part == "ratios" else RATIOS
+    if options.part not in ["times", "ratios"]:
         print("| model | what | PSNR, dB | worst |\n|---|---|---:|---:|", flush=True)
         for model in models:
             camera(model, view)
@@ -233,11 +250,12 @@ def transparency(models, folder, options):
           flush=True)
     for model in models:
         camera(model, view)
-        measured[model] = transparent_times(model, view, opacities, folder, options.rounds)
-    print("\n| model | ratio of times | is | at most |\n|---|---|---:|---:|")
+        measured[model] = transparent_times(model, view, opacities, folder, options.rounds,
+                                            which)
+    print("\n| model | ratio of times | median | middle half | at most |\n|---|---|---:|---:|---:|")
     for model, times in measured.items():
         for opacity in opacities:
-            ratios(model, opacity, times)
+            ratios(model, opacity, times, which)
 
 
 def main():
@@ -246,11 +264,13 @@ def main():
     parser.add_argument("what", choices=["accuracy", "speed", "transparency"])
     parser.add_argument("models", nargs="+", metavar="FILE.ply")
     parser.add_argument("--peers", metavar="DIR")
-    parser.add_argument("--rounds", type=int, default=5)
-    parser.add_argument("--part", choices=["errors", "times"], help="of transparency; default: both")
+    parser.add_argument("--rounds", type=int, help="default: 5; of ratios: 7")
+    parser.add_argument("--part", choices=["errors", "times", "ratios"],
+                        help="of transparency; default: errors and times")
     parser.add_argument("--opacity", action="append", metavar="A",
                         help="of transparency; default: 0.3 and 0.6")
     options = parser.parse_args()
+    options.rounds = options.rounds or (7 if options.part == "ratios" else 5)
     with tempfile.TemporaryDirectory() as folder:
         if options.what == "accuracy":
             accuracy(options.models, folder)

@@ -156,7 +156,7 @@ static int render_frame(struct run *run, struct frame *frame)
         return render_share(run, frame, result);
     if (result == STP_OK)
         result = stp_render(env, run->job.context, run->scene, frame->plan, settings->repeat,
-                            &frame->image, &frame->stats);
+                            &frame->image, settings->stats ? &frame->stats : NULL);
     return result == STP_OK ? EXIT_DONE : EXIT_FAILED;
 }
 

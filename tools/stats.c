@@ -118,6 +118,8 @@ void stats_add(struct json_out *out, cJSON *list, const struct stp_limits *limit
     json_text(out, stats, "driver", limits ? limits->driver : "none");
     json_number(out, stats, "points", (double)facts->points);
     json_number(out, stats, "splats", (double)facts->splats);
+    json_number(out, stats, "splats_drawn",
+                render->splats_drawn ? (double)render->splats_drawn : NAN); /* null */
     if (facts->cover.groups)
         add_cover(out, stats, &facts->cover);
     else

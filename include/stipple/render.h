@@ -49,6 +49,10 @@ struct stp_render_stats {
     double frame_ms_min, frame_ms_median, frame_ms_max; /* warm, record to fence, all tiles */
     unsigned pass_count;
     struct stp_pass_time pass[STP_MAX_PASSES];
+    /* Splats that are not culled and whose bounds meet the picture, a few too many rather than too
+     * few. 0: not counted (several processes), or no splats in memory (streams, volumes, frames).
+     */
+    uint64_t splats_drawn;
     uint64_t bytes_scene, bytes_transient, bytes_peak;
 };
 

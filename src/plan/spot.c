@@ -3,6 +3,7 @@
 
 #include <math.h>
 
+#include "base/thread.h"
 #include "base/vec.h"
 #include "reference/disc.h"
 #include "shared/frame.h"
@@ -246,4 +247,27 @@ bool spot_find(const struct spot_view *view, size_t i, struct spot *spot)
     spot->fragments = cut ? outline.area : fmin(outline.area / whole, 1) * box;
     spot->large = cut || box > STP_LARGE_AREA;
     return true;
+}
+
+struct counted {
+    const struct spot_view *view;
+    uint64_t found;
+};
+
+static void count_range(void *context, size_t begin, size_t end, unsigned worker)
+{
+    struct counted *counted = context;
+    struct spot spot;
+    uint64_t found = 0;
+    for (size_t i = begin; i < end; i++)
+        found += spot_find(counted->view, i, &spot);
+    __atomic_fetch_add(&counted->found, found, __ATOMIC_RELAXED);
+}
+
+uint64_t spot_count(const struct stp_env *env, const struct spot_view *view)
+{
+    struct counted counted = { .view = view };
+    if (view->scene->splats.position)
+        parallel_for(env, view->scene->splats.count, 4096, count_range, &counted);
+    return counted.found;
 }

@@ -32,6 +32,8 @@ struct spot_view spot_view_of(const struct stp_scene *scene, const struct stp_ca
                               const struct stp_render_params *params);
 /* False: splat i is not in the picture. */
 bool spot_find(const struct spot_view *view, size_t i, struct spot *spot);
+/* Of how many splats it is true. 0: the scene's are not in memory. */
+uint64_t spot_count(const struct stp_env *env, const struct spot_view *view);
 
 struct survey {
     double splats;    /* of the scene */

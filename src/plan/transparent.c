@@ -81,7 +81,8 @@ static void resources(struct stp_plan *plan, bool nearest)
                   ((uint64_t)plan->facts.cover.members + homes) * 4);
     plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + 2 * blocks) * 4);
     plan_image(plan, "nearest", PLAN_IMAGE_ID, PLAN_RG32UI, groups);
-    plan_image(plan, "slab", PLAN_IMAGE_DEPTH, PLAN_D32F, 1);
+    /* A layer a group: draws that share nothing overlap. nearest gains nothing by it. */
+    plan_image(plan, "slab", PLAN_IMAGE_DEPTH, PLAN_D32F, nearest ? 1 : groups);
     plan_image(plan, "blended", PLAN_IMAGE_SUM, PLAN_RGBA32F, groups);
     if (nearest)
         plan_resource(plan, "mask", PLAN_NEAREST, PLAN_TRANSIENT,

@@ -248,8 +248,10 @@ enum stp_result record_check_features(const struct stp_env *env, const struct st
 enum stp_result record_time(const struct stp_env *env, struct record_frame *frame,
                             const struct stp_scene *scene, unsigned repeat,
                             struct stp_render_stats *stats);
-/* A few more frames, timed pass by pass: stats->pass gets the medians. */
+/* More frames, 1 to RECORD_PROFILED, timed pass by pass: stats->pass gets the medians. */
+#define RECORD_PROFILED 5
 enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
-                               const struct stp_scene *scene, struct stp_render_stats *stats);
+                               const struct stp_scene *scene, unsigned frames,
+                               struct stp_render_stats *stats);
 
 #endif

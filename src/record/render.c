@@ -3,6 +3,7 @@
 #include "base/clock.h"
 #include "base/log.h"
 #include "base/memory.h"
+#include "plan/survey.h"
 #include "reference/reference.h"
 #include "scene/scene.h"
 
@@ -130,15 +131,11 @@ static enum stp_result render_on_device(const struct stp_env *env, struct stp_co
     return result;
 }
 
-enum stp_result stp_render(const struct stp_env *env, struct stp_context *context,
-                           const struct stp_scene *scene, const struct stp_plan *plan,
-                           unsigned repeat, struct stp_image **image,
-                           struct stp_render_stats *stats)
+static enum stp_result render(const struct stp_env *env, struct stp_context *context,
+                              const struct stp_scene *scene, const struct stp_plan *plan,
+                              unsigned repeat, struct stp_image **image,
+                              struct stp_render_stats *stats)
 {
-    struct stp_render_stats unused;
-    if (!stats)
-        stats = &unused;
-    *stats = (struct stp_render_stats){ 0 };
     if (plan->share.count)
         return log_error(env, STP_ERROR_ARGUMENT,
                          "the plan is for one of several processes: stp_render_share");
@@ -153,6 +150,22 @@ enum stp_result stp_render(const struct stp_env *env, struct stp_context *contex
     result = reference_render(env, scene, &plan->camera, &plan->params, image);
     stats->first_frame_ms = clock_ms() - start;
     return result;
+}
+
+enum stp_result stp_render(const struct stp_env *env, struct stp_context *context,
+                           const struct stp_scene *scene, const struct stp_plan *plan,
+                           unsigned repeat, struct stp_image **image,
+                           struct stp_render_stats *stats)
+{
+    struct stp_render_stats unused;
+    struct stp_render_stats *filled = stats ? stats : &unused;
+    *filled = (struct stp_render_stats){ 0 };
+    enum stp_result result = render(env, context, scene, plan, repeat, image, filled);
+    if (result != STP_OK || !stats)
+        return result;
+    struct spot_view view = spot_view_of(scene, &plan->camera, &plan->params);
+    stats->splats_drawn = spot_count(env, &view);
+    return STP_OK;
 }
 
 /* A number that processes with the same picture before them share (FNV-1a), below 2^62. */

@@ -178,17 +178,15 @@ enum stp_result record_again(const struct stp_env *env, struct record_frame *fra
     return result;
 }
 
-#define PROFILED 5
-
 /* What a view takes of the CPU, as a pass besides the others. */
 static enum stp_result profile_view(const struct stp_env *env, struct record_frame *frame,
                                     const struct stp_scene *scene, struct stp_render_stats *stats)
 {
-    double ms[PROFILED];
+    double ms[RECORD_PROFILED];
     bool axis = frame->plan->method == STP_METHOD_AXIS;
     if (!(axis || plan_covers(frame->plan)) || stats->pass_count == STP_MAX_PASSES)
         return STP_OK;
-    for (unsigned f = 0; f < PROFILED; f++) {
+    for (unsigned f = 0; f < RECORD_PROFILED; f++) {
         double start = clock_ms();
         enum stp_result result =
             axis ? record_view(env, frame, scene) : record_order(env, frame, scene);
@@ -198,19 +196,20 @@ static enum stp_result profile_view(const struct stp_env *env, struct record_fra
     }
     struct stp_pass_time *pass = &stats->pass[stats->pass_count++];
     snprintf(pass->name, sizeof pass->name, "%s, on the CPU", axis ? "lists" : "order");
-    pass->milliseconds = median(ms, PROFILED);
+    pass->milliseconds = median(ms, RECORD_PROFILED);
     return STP_OK;
 }
 
 /* Frames with a timestamp and a full barrier after every pass: the medians. */
 enum stp_result record_profile(const struct stp_env *env, struct record_frame *frame,
-                               const struct stp_scene *scene, struct stp_render_stats *stats)
+                               const struct stp_scene *scene, unsigned frames,
+                               struct stp_render_stats *stats)
 {
     const struct stp_plan *plan = frame->plan;
-    double ms[PROFILED][PLAN_MAX_PASSES] = { 0 }, column[PROFILED];
+    double ms[RECORD_PROFILED][PLAN_MAX_PASSES] = { 0 }, column[RECORD_PROFILED];
     if (!frame->queries)
         return STP_OK;
-    for (unsigned f = 0; f < PROFILED; f++) {
+    for (unsigned f = 0; f < frames; f++) {
         for (uint32_t t = 0; t < plan->tile_count; t++) {
             enum stp_result result = run_tile(env, frame, scene, &plan->tile[t], ms[f]);
             if (result != STP_OK)
@@ -219,10 +218,10 @@ enum stp_result record_profile(const struct stp_env *env, struct record_frame *f
     }
     stats->pass_count = plan->pass_count;
     for (uint32_t i = 0; i < plan->pass_count; i++) {
-        for (unsigned f = 0; f < PROFILED; f++)
+        for (unsigned f = 0; f < frames; f++)
             column[f] = ms[f][i];
         memcpy(stats->pass[i].name, plan->pass[i].name, sizeof plan->pass[i].name);
-        stats->pass[i].milliseconds = median(column, PROFILED);
+        stats->pass[i].milliseconds = median(column, frames);
     }
     return profile_view(env, frame, scene, stats);
 }
@@ -240,7 +239,8 @@ enum stp_result record_time(const struct stp_env *env, struct record_frame *fram
         stats->frame_ms_median = median(ms, repeat);
         stats->frame_ms_min = ms[0];
         stats->frame_ms_max = ms[repeat - 1];
-        result = record_profile(env, frame, scene, stats);
+        result = record_profile(env, frame, scene,
+                                repeat < RECORD_PROFILED ? repeat : RECORD_PROFILED, stats);
     }
     mem_free(ms);
     return result;

@@ -177,7 +177,8 @@ enum stp_result study_profile(struct study *study)
         stats = (struct stp_render_stats){ 0 };
         result = study_frame_wake(study, &study->frame[i]);
         if (result == STP_OK)
-            result = record_profile(&study->quiet, &study->frame[i].frame, study->scene, &stats);
+            result = record_profile(&study->quiet, &study->frame[i].frame, study->scene,
+                                    RECORD_PROFILED, &stats);
         for (unsigned k = 0; k < stats.pass_count && k < STP_MAX_PASSES; k++)
             row->pass[k] = stats.pass[k];
     }

@@ -10,7 +10,7 @@ import command
 
 BASIC = ["render", "ball.ply", "-o", "out.exr", "--method", "reference", "--size", "40x30"]
 CHANNELS = ["A", "B", "G", "N.X", "N.Y", "N.Z", "R", "Z"]
-STATS = ["build", "device", "driver", "points", "splats", "groups", "grouping",
+STATS = ["build", "device", "driver", "points", "splats", "splats_drawn", "groups", "grouping",
          "method", "path", "passes", "frame_ms", "cold_ms", "bytes", "peak_rss", "plan"]
 
 
@@ -176,12 +176,20 @@ class Render(command.CommandTest):
         self.assertEqual(list(stats), STATS)
         self.assertEqual((stats["points"], stats["splats"], stats["method"]),
                          (2000, 2000, "reference"))
+        self.assertEqual(stats["splats_drawn"], 2000)
         self.assertEqual(sorted(stats["cold_ms"]),
                          ["first_frame", "load", "prepare", "upload", "write"])
         self.assertEqual(sorted(stats["frame_ms"]), ["max", "median", "min"])
         self.assertEqual(sorted(stats["bytes"]), ["peak", "scene", "transient"])
         self.assertGreater(stats["peak_rss"], 1 << 20)
         self.assertTrue(stats["plan"])
+
+    def test_splats_drawn(self):
+        """Of a ball about half face the eye, fewer by perspective."""
+        self.done("render", "ball.ply", "--method", "reference", "--size", "16x16", "--cull",
+                  "back", "--stats", "s.json")
+        drawn = json.loads(self.read("s.json"))["splats_drawn"]
+        self.assertTrue(600 < drawn < 1000, drawn)
 
 
 command.main()
