@@ -333,7 +333,7 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     c[PLAN_BINS] = plan_bins(plan);
     c[PLAN_ATOMIC64] = (plan->limits.features & STP_FEATURE_INT64_ATOMICS) != 0;
     c[PLAN_FLOAT64] = (plan->limits.features & STP_FEATURE_FLOAT64) != 0;
-    /* Measured: on a CPU device a pass a layer beats one layered pass (docs/results/speed.md). */
+    /* Measured: on a CPU device a pass a layer beats one layered pass. */
     c[PLAN_LAYERED] =
         !cover && plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED &&
         (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 && plan->limits.processor == 2 &&
