@@ -28,16 +28,14 @@ enum stp_result record_order(const struct stp_env *env, struct record_frame *fra
     size_t members = scene->cover.first[scene->cover.groups];
     double eye[4];
     eye_of(&plan->camera, scene->splats.origin, eye);
-    if (buffer->mapped && buffer->coherent) {
-        bsp_order(env, &scene->cover, eye, buffer->mapped);
-        return STP_OK;
-    }
+    if (buffer->mapped && buffer->coherent)
+        return bsp_order(env, &scene->cover, eye, buffer->mapped);
     uint32_t *order = mem_alloc(members, sizeof *order);
     if (!order)
         return log_no_memory(env, members * sizeof *order, "the order of splats");
-    bsp_order(env, &scene->cover, eye, order);
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, order, members * sizeof *order);
+    enum stp_result result = bsp_order(env, &scene->cover, eye, order);
+    if (result == STP_OK)
+        result = gpu_upload(env, frame->context, buffer, order, members * sizeof *order);
     mem_free(order);
     return result;
 }
