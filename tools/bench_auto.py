@@ -13,7 +13,9 @@
   tools/bench_auto.py prices FILE...    prices in nanoseconds of every kind of plan, fitted to the
                                         calibration's scenes and the sweeps of these models
                                         together (the built-in ones: src/plan/profile.c); --only
-                                        WORD: of kinds that begin so; --write: they take their place
+                                        WORD: of kinds that begin so; --lean L: towards the
+                                        proportions that they have there (0: not at all); --write:
+                                        they take their place
   tools/bench_auto.py reports DIR FILE...
                                         the whole `stipple report` of every model, into DIR/report-MODEL
 
@@ -240,19 +242,27 @@ def costs(*arguments):
         yield line[1], float(line[2]), {name: float(value) for name, value in terms}
 
 
-def least_squares(rows):
-    """Prices >= 0 of least relative residuals: as src/plan/fit.c without known prices."""
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def least_squares(rows, known, lean):
+    """Prices >= 0 of least relative residuals, leaning on known ones: as src/plan/fit.c."""
     terms = sorted({term for _, amount in rows for term in amount})
     columns = [[amount.get(term, 0) / (1e6 * ms) for ms, amount in rows] for term in terms]
-    scale = [sum(v * v for v in column) ** -0.5 for column in columns]
+    scale = [dot(column, column) ** -0.5 for column in columns]
     columns = [[v * s for v in column] for column, s in zip(columns, scale)]
+    old = [known.get(term, 0) / s for term, s in zip(terms, scale)]
+    predicted = [dot(old, row) for row in zip(*columns)]
+    level = sum(predicted) / dot(predicted, predicted) if any(predicted) else 0
     price, left = [0.0] * len(terms), [1.0] * len(rows)
     for _ in range(4000):
         for t, column in enumerate(columns):
-            step = max(-price[t], sum(v * r for v, r in zip(column, left)))
+            pull = dot(column, left) + lean * (level * old[t] - price[t])
+            step = max(-price[t], pull / (1 + lean))
             price[t] += step
             left = [r - step * v for v, r in zip(column, left)]
-    spread = (sum(r * r for r in left) / len(left)) ** 0.5
+    spread = (dot(left, left) / len(left)) ** 0.5
     return {term: p * s for term, p, s in zip(terms, price, scale) if p > 0}, spread
 
 
@@ -263,6 +273,14 @@ PROFILE = os.path.join(ROOT, "src", "plan", "profile.c")
 
 def enum_name(kind):
     return "PLAN_COST_" + WORDS.get(kind, kind.upper().replace(" ", "_").replace("-", "_"))
+
+
+def present(kind):
+    """The prices that src/plan/profile.c has."""
+    with open(PROFILE, encoding="ascii") as file:
+        row = re.search(r"\[%s\] = \{(.*?)\}" % enum_name(kind), file.read(), re.S)
+    terms = re.findall(r"\[PLAN_TERM_(\w+)\] = ([-0-9.e+]+)", row[1] if row else "")
+    return {term.lower().replace("_", " "): float(price) for term, price in terms}
 
 
 def enter(kind, row):
@@ -277,7 +295,7 @@ def enter(kind, row):
         file.write(text)
 
 
-def prices(models, only, write):
+def prices(models, only, lean, write):
     kinds = {}
     with tempfile.TemporaryDirectory() as folder:
         runs = [["devices", "--calibrate"]]
@@ -289,7 +307,7 @@ def prices(models, only, write):
     for kind, rows in kinds.items():
         if not kind.startswith(only):
             continue
-        found, spread = least_squares(rows)
+        found, spread = least_squares(rows, present(kind), lean)
         row = ", ".join(f"[PLAN_TERM_{term.upper().replace(' ', '_')}] = {price:.3g}"
                         for term, price in found.items())
         print(f"    [{enum_name(kind)}] = {{ /* {len(rows)} frames, residual {spread:.0%} */ {row} }},",
@@ -319,6 +337,7 @@ def main():
     parser.add_argument("--opacity", help="of auto and bounds: everything is so transparent")
     parser.add_argument("--keep", metavar="DIR", help="of auto: the reports stay, as DIR/report-MODEL")
     parser.add_argument("--only", default="", metavar="WORD", help="of prices: kinds that begin so")
+    parser.add_argument("--lean", type=float, default=0.0, metavar="L", help="of prices: on those there are")
     parser.add_argument("--write", action="store_true", help="of prices: into src/plan/profile.c")
     options = parser.parse_args()
     more = ["--opacity", options.opacity, "--cull", "none"] if options.opacity else []
@@ -329,7 +348,7 @@ def main():
     elif options.what == "features":
         features(options.arguments[0], options.method, options.rounds)
     elif options.what == "prices":
-        prices(options.arguments, options.only, options.write)
+        prices(options.arguments, options.only, options.lean, options.write)
     else:
         reports(options.arguments[0], options.arguments[1:])
 
