@@ -37,7 +37,7 @@ static inline void enter_run(const struct axis_lists *lists, unsigned bit, size_
     }
 }
 
-static void enter_runs(void *context, size_t begin, size_t end, unsigned worker)
+static void enter_runs(void *context, size_t begin, size_t end, unsigned)
 {
     const struct blocking *b = context;
     size_t blocks = (size_t)b->blocks->across * b->blocks->down;

@@ -31,7 +31,7 @@ static bool holds_block(const struct axis_region *region, const struct axis_rect
            axis_region_holds(region, x0, y1) && axis_region_holds(region, x1, y1);
 }
 
-static void open_range(void *context, size_t begin, size_t end, unsigned worker)
+static void open_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct sifting *s = context;
     for (size_t i = begin; i < end; i++) {
@@ -99,7 +99,7 @@ static unsigned walks_of(const struct sifting *s, const struct axis_rectangle *r
     return drawn;
 }
 
-static void sift_range(void *context, size_t begin, size_t end, unsigned worker)
+static void sift_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct sifting *s = context;
     for (size_t i = begin; i < end; i++) {
