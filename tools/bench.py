@@ -49,6 +49,7 @@ SPEED = [
 ]
 
 TRANSPARENT = [["exact"], ["exact", "--payload", "id"], ["fast"], ["nearest"],
+               *[[way, "--groups", k] for way in ["fast", "nearest"] for k in ["2", "4"]],
                *[["peel", "--peel-layers", k] for k in ["1", "2", "4", "8", "16"]],
                ["peel", "--path", "raster"]]
 OPAQUE = [["deferred", "--overlap", "0.4"], ["deferred"], ["two-pass", "--path", "compute"],

@@ -75,7 +75,8 @@ def cover(folder, count=20000):
     for over in [2, 2.5, 3, 3.5, 4, 5]:
         for scattered in [False, True]:
             sphere(model, count, math.sqrt(4 * over / count), scattered)
-            made = statistics_of(model, "--size", "8x8", "--transparency", "fast")["grouping"]
+            made = statistics_of(model, "--size", "8x8", "--transparency", "fast", "--groups",
+                                 str(GROUPS))["grouping"]
             least = max(0, GROUPS * density / over / max(made["factor"]) ** 2 - 1)
             print(f"| {over} | {'scattered' if scattered else 'even'} | {100 * least:.0f} % | "
                   f"{100 * made['duplicates']:.0f} % | {max(made['factor']):.3f} | "

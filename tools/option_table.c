@@ -294,7 +294,8 @@ const struct option_spec option_table[] = {
       value_real, AT(group.overlap), "a number above 0 and at most 1", DBL_TRUE_MIN, 1, NULL },
     { NULL, POINTS, "groups", 0, "K",
       "deferred: at most K groups; where the colouring needs more, the overlap is lowered "
-      "(default: 64)",
+      "(default: 64). Transparencies fast and nearest: K groups that each cover the surface "
+      "(default: 3)",
       value_count, AT(group.max_groups), "a whole number from 1 to 64", 1, STP_MAX_GROUPS, NULL },
     { NULL, POINTS, "relax", 0, "coplanar,opposed|none",
       "deferred: overlaps that need no separate groups: of flat neighbours of one colour, of "

@@ -1,6 +1,8 @@
 // Ellipsoids of range images, each with a shape of its own (docs/range.md). Needs lib/axis.glsl.
 #include "lib/projected.glsl"
 
+const float SQRT_2_PI = 2.50662827;
+
 // Its precision is R'R, R = (r.x r.y r.z; 0 s.x s.y; 0 0 s.z): a factor keeps the digits that the
 // precision of a long ellipsoid would lose.
 struct Ellipsoid {
@@ -56,9 +58,9 @@ float ellipsoid_alpha(Ellipsoid e, vec2 d, out float depth)
     vec3 u = ellipsoid_ray(e, d);
     vec2 q = e.centre.xy - (ORTHOGRAPHIC ? d : e.centre.z * d);
     vec2 w = vec2(dot(e.r.xy, q), e.s.x * q.y);
-    float a = dot(u, u), across = w.x * u.y - w.y * u.x;
-    float m2 = (across * across + u.z * u.z * dot(w, w)) / a, seen = m2, share = 1;
-    depth = e.centre.z + dot(w, u.xy) / a;
+    float a = dot(u, u), inv = 1 / a, across = w.x * u.y - w.y * u.x;
+    float m2 = (across * across + u.z * u.z * dot(w, w)) * inv, seen = m2, share = 1;
+    depth = e.centre.z + dot(w, u.xy) * inv;
     if (AXIS_CUT) {
         float peak = depth, root = sqrt(0.5 * a);
         depth = clamp(peak, frame.near_depth, frame.far_depth);
@@ -66,9 +68,9 @@ float ellipsoid_alpha(Ellipsoid e, vec2 d, out float depth)
         share = 0.5 * (erf_of(min((frame.far_depth - peak) * root, 9)) -
                        erf_of(max((frame.near_depth - peak) * root, -9)));
     }
-    float along = ORTHOGRAPHIC ? 1 : sqrt(dot(d, d) + 1);
-    float x = e.tau * 2.50662827 * along * inversesqrt(a) * share * exp(-0.5 * m2);
-    float alpha = mix(1 - exp(-x), x * (1 - x * (0.5 - x / 6)), x < 0.015625);
+    float along = sqrt(ORTHOGRAPHIC ? inv : (dot(d, d) + 1) * inv);
+    float x = e.tau * SQRT_2_PI * along * share * exp(-0.5 * m2);
+    float alpha = mix(1 - exp(-x), x * (1 - x * (0.5 - x * (1.0 / 6))), x < 0.015625);
     return mix(0, alpha, all(bvec2(seen <= REACH2, alpha >= LEAST_ALPHA)));
 }
 

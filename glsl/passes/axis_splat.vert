@@ -6,10 +6,11 @@
 #include "lib/axis.glsl"
 #include "lib/ellipsoid.glsl"
 
-layout(location = 0) flat out vec4 vary_place; // centre, log2 of tau
-layout(location = 1) flat out vec3 vary_color;
-layout(location = 2) flat out vec3 vary_r; // ellipsoids: their factor
+layout(location = 0) flat out vec4 vary_place; // centre, tau
+layout(location = 1) flat out vec4 vary_color; // and the tile's first column
+layout(location = 2) flat out vec4 vary_r;     // the factor; and the tile's first row
 layout(location = 3) flat out vec3 vary_s;
+layout(location = 4) flat out vec4 vary_lens; // the picture's centre, and what a pixel is of a ray
 
 const float WIDE = 2.02; // an equilateral triangle of inradius 1 reaches 2
 const float NEAR = 0.2;  // reach over least depth, up to which the outline is nearly an ellipse
@@ -18,16 +19,6 @@ vec4 to_clip(vec2 pixel)
 {
     vec2 size = vec2(frame.tile_width, frame.tile_height);
     return vec4((pixel - vec2(frame.tile_x, frame.tile_y)) * 2 / size - 1, 0.5, 1);
-}
-
-// Of m^2 at the centre's ray: xx, xy, yy.
-vec3 form_at(Ellipsoid e)
-{
-    if (ELLIPSOIDS)
-        return ellipsoid_form(e);
-    vec2 focal = vec2(frame.focal[0], frame.focal[1]), middle = vec2(frame.center[0], frame.center[1]);
-    Ray r = axis_ray(middle + focal * e.centre.xy / (ORTHOGRAPHIC ? 1 : e.centre.z));
-    return -2 / LOG2_E * vec3(r.form.x, 0.5 * r.form.y, r.form.z); // it is of an exponent
 }
 
 // Around the ellipse of the centre's ray, wider by what perspective can bend it.
@@ -62,31 +53,39 @@ vec2 around_box(vec3 c, vec3 h, uint corner)
     return low + vec2(corner == 1 ? 2 : 0, corner == 2 ? 2 : 0) * (high - low);
 }
 
+// A voxel's kernel has the factor that all have.
+Ellipsoid load_kernel(uint id, out vec3 color, out bool known)
+{
+    vec4 place = frame.projected.v[2 * id], look = frame.projected.v[2 * id + 1];
+    const float f[6] = frame.axis.factor, h[3] = frame.axis.extent;
+    color = look.xyz;
+    known = look.w > 0;
+    return Ellipsoid(place.xyz, exp2(place.w) * frame.axis.scale * (1 / SQRT_2_PI),
+                     vec3(f[0], f[1], f[2]), vec3(f[3], f[4], f[5]), vec3(h[0], h[1], h[2]));
+}
+
 void main()
 {
     uint id = frame.order.v[push_first + gl_VertexIndex / 3], corner = gl_VertexIndex % 3;
     Ellipsoid e;
+    vec3 color;
     bool known;
     if (ELLIPSOIDS) {
-        e = ellipsoid_load(id, vary_color);
+        e = ellipsoid_load(id, color);
         known = e.extent.x > 0;
     } else {
-        vec4 place = frame.projected.v[2 * id];
-        e.centre = place.xyz;
-        e.tau = place.w;
-        e.extent = vec3(frame.axis.extent[0], frame.axis.extent[1], frame.axis.extent[2]);
-        e.r = e.s = vec3(0);
-        vec4 look = frame.projected.v[2 * id + 1];
-        vary_color = look.xyz;
-        known = look.w > 0;
+        e = load_kernel(id, color, known);
     }
     vec3 h = e.extent;
     float least = e.centre.z - h.z, bend = max(h.x, max(h.y, h.z)) / max(least, 1e-30);
     bool simple = ORTHOGRAPHIC || (least > frame.near_depth && bend < NEAR);
-    vec4 place = to_clip(simple ? around_ellipse(e.centre, form_at(e), corner, ORTHOGRAPHIC ? 0 : bend)
+    vec4 place = to_clip(simple ? around_ellipse(e.centre, ellipsoid_form(e), corner,
+                                                 ORTHOGRAPHIC ? 0 : bend)
                                 : around_box(e.centre, h, corner));
     gl_Position = known ? place : NO_VERTEX;
     vary_place = vec4(e.centre, e.tau);
-    vary_r = e.r;
+    vary_color = vec4(color, frame.tile_x);
+    vary_r = vec4(e.r, frame.tile_y);
     vary_s = e.s;
+    vary_lens = vec4(frame.center[0], frame.center[1], frame.inv_focal[0], frame.inv_focal[1]);
 }

@@ -172,6 +172,7 @@ struct stp_level_gpu {
 /* HM: kernels of one shape, and the walks that draw them; zero without them. */
 struct stp_axis_gpu {
     float shape[9];  /* of each of the grid's axes, camera frame: over its deviation */
+    float factor[6]; /* R of R'R = shape' shape, upper triangular, by rows (lib/ellipsoid.glsl) */
     float extent[3]; /* of the box around a kernel's reach */
     float scale;     /* amplitude * sqrt(2 pi) */
     float h;

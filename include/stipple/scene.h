@@ -174,7 +174,7 @@ struct stp_cover_params {
     double coverage; /* of the surface, each group; 0: STP_DEFAULT_COVERAGE; at most 1 */
     enum stp_extend extend;
 };
-#define STP_DEFAULT_COVER_GROUPS 4
+#define STP_DEFAULT_COVER_GROUPS 3
 #define STP_DEFAULT_COVERAGE     0.98
 
 /* Of the groups for transparency. Shares are of the area that all discs cover together. */

@@ -18,20 +18,39 @@ _Static_assert(AXIS_BLOCK_WIDTH == STP_AXIS_WIDTH && AXIS_BLOCK_HEIGHT == STP_AX
                    MOST_PASSES + 2 <= PLAN_MAX_PASSES,
                "blocks");
 
+/* R of QR of the matrix whose columns are those of the shape; cross products lose no digits of
+ * kernels that are long and thin. */
+static void set_factor(const double shape[3][3], float factor[6])
+{
+    struct vec3 column[3];
+    for (int i = 0; i < 3; i++)
+        column[i] = v3(shape[0][i], shape[1][i], shape[2][i]);
+    struct vec3 xy = v3_cross(column[0], column[1]), xz = v3_cross(column[0], column[2]);
+    double first = v3_length(column[0]), area = v3_length(xy);
+    factor[0] = (float)first;
+    factor[1] = (float)(v3_dot(column[0], column[1]) / first);
+    factor[2] = (float)(v3_dot(column[0], column[2]) / first);
+    factor[3] = (float)(area / first);
+    factor[4] = (float)(v3_dot(xy, xz) / (first * area));
+    factor[5] = (float)(fabs(v3_dot(xy, column[2])) / area);
+}
+
 /* Of a grid's kernels, in the frame of the shaders: x right, y down, z forward. */
 static void set_shape(struct stp_plan *plan, const struct volume *volume)
 {
     struct stp_axis_gpu *axis = &plan->frame.axis;
-    double half[3] = { 0 };
+    double half[3] = { 0 }, shape[3][3];
     for (int a = 0; a < 3; a++) {
         double s = KERNEL_SIGMA * volume->grid.spacing[a];
         const double *m = plan->camera.world_to_camera;
         const double d[3] = { m[a], -m[4 + a], -m[8 + a] };
         for (int i = 0; i < 3; i++) {
             half[i] += s * s * d[i] * d[i];
-            axis->shape[3 * a + i] = (float)(d[i] / s);
+            shape[a][i] = d[i] / s;
+            axis->shape[3 * a + i] = (float)shape[a][i];
         }
     }
+    set_factor(shape, axis->factor);
     for (int i = 0; i < 3; i++)
         axis->extent[i] = (float)(KERNEL_REACH * sqrt(half[i]));
     axis->scale = (float)(kernel_amplitude() * sqrt(2 * M_PI));
@@ -89,9 +108,7 @@ static enum stp_result prepare_blocks(const struct stp_env *env, struct stp_plan
     enum stp_result result = axis_blocks_update(env, &plan->axis, &plan->axis_blocks);
     if (result != STP_OK)
         return result;
-    mem_free(plan->axis_blocks.cursor); /* the lists are made */
-    plan->axis_blocks.cursor = NULL;
-    plan->axis_blocks.cursors = 0;
+    axis_blocks_trim(&plan->axis_blocks); /* the lists are made */
     plan->frame.axis.blocks_x = plan->axis_blocks.across;
     plan->frame.axis.blocks_y = plan->axis_blocks.down;
     if (parts_of(plan) * plan->axis.walk_count <= MOST_PASSES)
@@ -315,4 +332,5 @@ void plan_axis_forget(struct stp_plan *plan)
     for (int a = 0; a < 3; a++)
         lists->sheets[a] = (struct axis_sheets){ 0 };
     plan->axis_blocks.first = plan->axis_blocks.entry = plan->axis_blocks.cursor = NULL;
+    plan->axis_blocks.span = NULL;
 }

@@ -10,9 +10,10 @@ struct axis_blocks {
     uint32_t *first;       /* of walk w and block b at w * across * down + b; one more at the end */
     uint32_t *entry;       /* kernels, far to near within a block */
     size_t count;
-    size_t longest, fullest;     /* entries in one block: of one walk; of all */
-    uint32_t *cursor;            /* of runs of the lists: where to write next */
-    size_t lists, room, cursors; /* what first, entry and cursor have place for */
+    size_t longest, fullest;            /* entries in one block: of one walk; of all */
+    uint32_t *cursor;                   /* of runs of the lists: where to write next */
+    struct axis_span *span;             /* of the lists' kernels in their order, in blocks */
+    size_t lists, room, cursors, spans; /* what first, entry, cursor and span have place for */
 };
 
 /* A splat is entered where the rectangle of its pixels meets a block in which its walk has a
@@ -26,6 +27,8 @@ enum stp_result axis_blocks_count(const struct stp_env *env, const struct axis_l
                                   struct axis_blocks *blocks);
 void axis_blocks_fill(const struct stp_env *env, const struct axis_lists *lists,
                       struct axis_blocks *blocks, uint32_t *entry);
+/* Leaves out what only the next update would use. */
+void axis_blocks_trim(struct axis_blocks *blocks);
 void axis_blocks_release(struct axis_blocks *blocks);
 
 #endif

@@ -199,16 +199,15 @@ static enum stp_result fill_sorted(const struct stp_env *env, const struct stp_s
     return result;
 }
 
-static void count_walks(size_t kernels, struct axis_lists *lists)
+static void count_walks(struct axis_lists *lists)
 {
-    size_t by_mask[1 << AXIS_WALKS] = { 0 }, count[AXIS_WALKS] = { 0 };
-    for (size_t i = 0; i < kernels; i++)
-        by_mask[lists->mask[i]]++;
-    lists->visible = kernels - by_mask[0];
-    lists->count = lists->walk_count = 0;
-    for (unsigned m = 0; m < 1 << AXIS_WALKS; m++)
+    size_t count[AXIS_WALKS] = { 0 };
+    lists->visible = lists->count = lists->walk_count = 0;
+    for (unsigned m = 1; m < 1 << AXIS_WALKS; m++) {
+        lists->visible += lists->masks[m];
         for (unsigned w = 0; w < AXIS_WALKS; w++)
-            count[w] += m >> w & 1 ? by_mask[m] : 0;
+            count[w] += m >> w & 1 ? lists->masks[m] : 0;
+    }
     for (unsigned w = 0; w < AXIS_WALKS; w++) {
         if (count[w] == 0)
             continue;
@@ -255,7 +254,7 @@ enum stp_result axis_lists_update(const struct stp_env *env, const struct stp_sc
 {
     enum stp_result result = axis_sift(env, scene, camera, lists);
     if (result == STP_OK) {
-        count_walks(axis_kernels(scene), lists);
+        count_walks(lists);
         result = fill_walks(env, scene, camera, lists);
     }
     if (result != STP_OK)

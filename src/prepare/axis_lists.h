@@ -52,6 +52,7 @@ struct axis_lists {
      * where there are any, its pixels; of each block of pixels the walks with a weight in it. */
     uint8_t *mask;
     struct axis_span *span;
+    size_t masks[1 << AXIS_WALKS]; /* kernels of each mask */
     uint32_t blocks_x, blocks_y;
     uint8_t *open;
     size_t room; /* of order */
@@ -78,7 +79,7 @@ static inline unsigned axis_walk_bit(const struct axis_walk *walk)
     return 2u * walk->axis + walk->backwards;
 }
 
-/* axis_sift.c: mask, span and open of a view; lists->room and the rest stay. */
+/* axis_sift.c: mask, masks, span and open of a view; lists->room and the rest stay. */
 enum stp_result axis_sift(const struct stp_env *env, const struct stp_scene *scene,
                           const struct stp_camera *camera, struct axis_lists *lists);
 unsigned axis_dominant(struct vec3 v); /* the first of equal ones */

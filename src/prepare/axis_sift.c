@@ -3,6 +3,7 @@
 #include "prepare/axis_lists.h"
 
 #include <math.h>
+#include <stdatomic.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -17,9 +18,10 @@ struct sifting {
     struct axis_view view;
     struct axis_lists *lists;
     struct axis_region region[AXIS_WALKS];
-    unsigned walks;  /* with a weight somewhere in the picture */
-    bool everywhere; /* one list, whatever the rays */
-    uint8_t *whole;  /* of each block: the walks with a weight on all of it */
+    unsigned walks;                       /* with a weight somewhere in the picture */
+    bool everywhere;                      /* one list, whatever the rays */
+    uint8_t *whole;                       /* of each block: the walks with a weight on all of it */
+    atomic_size_t masks[1 << AXIS_WALKS]; /* kernels of each mask */
 };
 
 /* A region is convex: it holds a block when it holds its corners. */
@@ -51,19 +53,29 @@ static void open_range(void *context, size_t begin, size_t end, unsigned)
     }
 }
 
-/* Has the kernel a fragment in the region? */
+/* The n-th of [first, last], from the middle out. */
+static double middle_out(int64_t first, int64_t last, int64_t n)
+{
+    int64_t middle = first + (last - first) / 2, away = (n + 1) / 2;
+    return (double)(n % 2 ? middle + away : middle - away);
+}
+
+/* Has the kernel a fragment in the region? Its fragments lie around the middle, a corner has none.
+ */
 static bool draws(const struct sifting *s, unsigned w, const struct axis_rectangle *r,
                   const struct axis_kernel *kernel, double tau)
 {
     if (!s->everywhere && !axis_region_reaches(&s->region[w], r))
         return false;
-    for (int64_t py = r->y0; py <= r->y1; py++)
-        for (int64_t px = r->x0; px <= r->x1; px++) {
-            double x = (double)px + 0.5, y = (double)py + 0.5;
+    for (int64_t j = 0; j <= r->y1 - r->y0; j++) {
+        double y = middle_out(r->y0, r->y1, j) + 0.5;
+        for (int64_t i = 0; i <= r->x1 - r->x0; i++) {
+            double x = middle_out(r->x0, r->x1, i) + 0.5;
             if ((s->everywhere || axis_region_holds(&s->region[w], x, y)) &&
                 axis_hits(kernel, tau, x, y))
                 return true;
         }
+    }
     return false;
 }
 
@@ -99,19 +111,29 @@ static unsigned walks_of(const struct sifting *s, const struct axis_rectangle *r
     return drawn;
 }
 
+/* The kernel's walks; where there are any, its pixels. */
+static unsigned sift(const struct sifting *s, size_t i, struct axis_span *span)
+{
+    struct axis_rectangle r;
+    struct axis_kernel kernel;
+    if (!axis_kernel(&s->view, (uint32_t)i, &kernel) || !axis_pixels(&kernel, &r))
+        return 0;
+    *span = (struct axis_span){ (uint16_t)r.x0, (uint16_t)r.x1, (uint16_t)r.y0, (uint16_t)r.y1 };
+    return walks_of(s, &r, &kernel, axis_tau(&s->view, (uint32_t)i));
+}
+
 static void sift_range(void *context, size_t begin, size_t end, unsigned)
 {
-    const struct sifting *s = context;
+    struct sifting *s = context;
+    size_t masks[1 << AXIS_WALKS] = { 0 };
     for (size_t i = begin; i < end; i++) {
-        struct axis_rectangle r;
-        struct axis_kernel kernel;
-        s->lists->mask[i] = 0;
-        if (!axis_kernel(&s->view, (uint32_t)i, &kernel) || !axis_pixels(&kernel, &r))
-            continue;
-        s->lists->mask[i] = (uint8_t)walks_of(s, &r, &kernel, axis_tau(&s->view, (uint32_t)i));
-        s->lists->span[i] =
-            (struct axis_span){ (uint16_t)r.x0, (uint16_t)r.x1, (uint16_t)r.y0, (uint16_t)r.y1 };
+        unsigned mask = sift(s, i, &s->lists->span[i]);
+        s->lists->mask[i] = (uint8_t)mask;
+        masks[mask]++;
     }
+    for (unsigned m = 0; m < 1 << AXIS_WALKS; m++)
+        if (masks[m])
+            atomic_fetch_add(&s->masks[m], masks[m]);
 }
 
 /* The walks whose region has a pixel; of the single list, the axis nearest to the view's. */
@@ -176,6 +198,8 @@ enum stp_result axis_sift(const struct stp_env *env, const struct stp_scene *sce
     find_walks(camera, &s);
     parallel_for(env, blocks, 1024, open_range, &s);
     parallel_for(env, count, GRAIN, sift_range, &s);
+    for (unsigned m = 0; m < 1 << AXIS_WALKS; m++)
+        lists->masks[m] = s.masks[m];
     mem_free(s.whole);
     return STP_OK;
 }

@@ -73,8 +73,8 @@ class Glass(command.CommandTest):
                   "--cull", "none", "--compression", "none", "--validate", *options)
         return bench_transparency.planes(self.path("out.exr"))
 
-    def worst(self, seen, layers):
-        worst, pixels = 0, 0
+    def errors(self, seen, layers):
+        errors = []
         for y in range(SIZE):
             for x in range(SIZE):
                 hit = sphere_hit(x, y)
@@ -82,16 +82,17 @@ class Glass(command.CommandTest):
                     at = y * SIZE + x
                     self.assertEqual(seen["A"][at], 1)
                     should = glass(*hit, layers)
-                    worst = max(worst, *(abs(seen[c][at] - s) for c, s in zip("RGB", should)))
-                    pixels += 1
-        self.assertGreater(pixels, 3400)
-        return worst
+                    errors.append(max(abs(seen[c][at] - s) for c, s in zip("RGB", should)))
+        self.assertGreater(len(errors), 3400)
+        return errors
 
     def test_sphere(self):
         """20,000 flat discs of radius 0.025 or so stand for the sphere: a normal is off by a part of
         that, and colours by as much times the sky's slope, at most 1.2, twice that in the mirror.
-        `fast` and `nearest` tell layers by opacity: where a group of four lacks one of two, 1.75 are
-        seen, and the ray is bent by an eighth less: up to 0.03 more."""
+        `fast` and `nearest` tell layers by opacity. Where one of three groups lacks one of two layers,
+        5/3 are seen, and the ray is bent by a sixth less: up to 0.04 more. Where two groups lack the
+        same one it is a third, 0.08: each lacks 2 % of the surface, so that is seen in 2 * 3 * 0.02^2 of
+        the pixels, 8 of them, and 9 more by chance (three standard deviations)."""
         self.make()
         make_glass.sky = smooth_sky
         make_glass.write_sky(self.path("glass/sky.hdr"))
@@ -99,10 +100,12 @@ class Glass(command.CommandTest):
             seen = self.picture("sphere.json", "--size", f"{SIZE}x{SIZE}", "--transparency", way,
                                 "--layers", "multi" if layers == 2 else "single", "--background",
                                 "environment")
-            worst = self.worst(seen, layers)
+            errors = self.errors(seen, layers)
+            beyond = sum(error > 0.07 for error in errors)
             if os.environ.get("STP_TEST_VERDICTS"):
-                print(way, layers, worst)
-            self.assertLess(worst, 0.03 if way == "exact" else 0.06, (way, layers))
+                print(way, layers, max(errors), beyond)
+            self.assertLess(max(errors), 0.03 if way == "exact" else 0.11, (way, layers))
+            self.assertLessEqual(beyond, 17, (way, layers))
 
     def test_balls_in_a_model(self):
         """One in the middle of a sphere of opacity 0.3, one beside it."""

@@ -22,6 +22,50 @@ static void shaders_cut_where_the_processor_does(void **state)
     assert_true(STP_AXIS_LEAST_ALPHA == LEAST_ALPHA);
 }
 
+/* R'R is what the kernel's precision is in the camera frame, and R keeps its volume, which a
+ * difference would lose of kernels of 10^6 : 1. */
+static void expect_factor(const struct stp_plan *plan, const double spacing[3])
+{
+    const float *f = plan->frame.axis.factor;
+    const double r[3][3] = { { f[0], f[1], f[2] }, { 0, f[3], f[4] }, { 0, 0, f[5] } };
+    const double *m = plan->camera.world_to_camera, down[3] = { 1, -1, -1 };
+    double g[3][3] = { 0 }, of_r[3][3] = { 0 }, volume = 1;
+    for (int a = 0; a < 3; a++) {
+        double per_deviation = 1 / (KERNEL_SIGMA * spacing[a]);
+        volume *= per_deviation;
+        for (int i = 0; i < 3; i++)
+            for (int j = 0; j < 3; j++) {
+                of_r[i][j] += r[a][i] * r[a][j];
+                g[i][j] +=
+                    down[i] * m[4 * i + a] * down[j] * m[4 * j + a] * per_deviation * per_deviation;
+            }
+    }
+    for (int i = 0; i < 3; i++)
+        for (int j = 0; j < 3; j++)
+            assert_true(fabs(of_r[i][j] - g[i][j]) <= 1e-6 * sqrt(g[i][i] * g[j][j]));
+    assert_true(r[0][0] > 0 && r[1][1] > 0 && r[2][2] > 0);
+    assert_true(fabs(r[0][0] * r[1][1] * r[2][2] / volume - 1) <= 1e-6);
+}
+
+static void one_factor_for_all_kernels(void **state)
+{
+    static const double spacings[][3] = { { 1, 1, 1 }, { 0.1, 2, 0.7 }, { 1e-3, 1, 1000 } };
+    static const struct vec3 eyes[] = { { 0, 0, 4000 },
+                                        { 3000, 2000, -900 },
+                                        { 2000, 2000, 2000 } };
+    for (unsigned n = 0; n < 9; n++) {
+        struct inputs in = volume_inputs();
+        stp_scene_destroy(&in.scene);
+        in.scene = block_scene((uint32_t[]){ 4, 5, 6 }, spacings[n / 3], 0.5);
+        in.params.path = n % 2 ? STP_PATH_RASTER : STP_PATH_COMPUTE;
+        look_at(&in.camera, eyes[n % 3], v3(0, 0, 0));
+        struct stp_plan *plan = plan_of(&in);
+        expect_factor(plan, spacings[n / 3]);
+        stp_plan_destroy(&plan);
+        release_inputs(&in);
+    }
+}
+
 static bool mentions_axis(const struct stp_plan *plan)
 {
     bool found = plan->axis.count || plan->axis.order;
@@ -180,6 +224,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(shaders_cut_where_the_processor_does),
+        cmocka_unit_test(one_factor_for_all_kernels),
         cmocka_unit_test(surfaces_pay_nothing),
         cmocka_unit_test(one_axis_costs_one_list),
         cmocka_unit_test(three_axes_cost_three),

@@ -130,9 +130,10 @@ static void check_shares(const struct stp_scene *scene)
 static void duplicates_cover(void **state)
 {
     struct stp_scene scene = sheet(1500, 4, 3);
-    assert_int_equal(stp_scene_cover(NULL, &scene, NULL), STP_OK);
+    struct stp_cover_params p = { .groups = 4 };
+    assert_int_equal(stp_scene_cover(NULL, &scene, &p), STP_OK);
     const struct stp_cover *facts = &scene.facts.cover;
-    assert_int_equal(facts->groups, STP_DEFAULT_COVER_GROUPS);
+    assert_int_equal(facts->groups, 4);
     assert_int_equal(facts->extend, STP_EXTEND_BOTH);
     assert_int_equal(scene.cover.first[4], facts->members);
     for (unsigned k = 0; k < 4; k++) {
@@ -149,10 +150,24 @@ static void duplicates_cover(void **state)
 static void few_duplicates_on_a_sphere(void **state)
 {
     struct stp_scene scene = sphere(20000);
-    assert_int_equal(stp_scene_cover(NULL, &scene, NULL), STP_OK);
+    struct stp_cover_params p = { .groups = 4 };
+    assert_int_equal(stp_scene_cover(NULL, &scene, &p), STP_OK);
     const struct stp_cover *facts = &scene.facts.cover;
     assert_true(facts->duplicates > 0.05 && facts->duplicates <= 0.4501);
     for (unsigned k = 0; k < 4; k++)
+        assert_true(facts->coverage[k] >= 0.978 && facts->factor[k] < 1.1);
+    scene_free(&scene);
+}
+
+static void as_if_nothing_is_asked(void **state)
+{
+    struct stp_scene scene = sphere(20000);
+    assert_int_equal(stp_scene_cover(NULL, &scene, NULL), STP_OK);
+    const struct stp_cover *facts = &scene.facts.cover;
+    assert_int_equal(facts->groups, STP_DEFAULT_COVER_GROUPS);
+    assert_int_equal(facts->extend, STP_EXTEND_BOTH);
+    assert_true(facts->duplicates <= 0.4501);
+    for (unsigned k = 0; k < facts->groups; k++)
         assert_true(facts->coverage[k] >= 0.978 && facts->factor[k] < 1.1);
     scene_free(&scene);
 }
@@ -355,17 +370,12 @@ static void every_allocation_may_fail(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(duplicates_cover),
-        cmocka_unit_test(few_duplicates_on_a_sphere),
-        cmocka_unit_test(radii_cover),
-        cmocka_unit_test(radii_do_not_run_away),
-        cmocka_unit_test(apart),
-        cmocka_unit_test(layers_are_apart),
-        cmocka_unit_test(one_group_holds_all),
-        cmocka_unit_test(nothing_is_seen),
-        cmocka_unit_test(any_cloud),
-        cmocka_unit_test(heaps_and_outliers),
-        cmocka_unit_test(refuses_what_means_nothing),
+        cmocka_unit_test(duplicates_cover),          cmocka_unit_test(few_duplicates_on_a_sphere),
+        cmocka_unit_test(as_if_nothing_is_asked),    cmocka_unit_test(radii_cover),
+        cmocka_unit_test(radii_do_not_run_away),     cmocka_unit_test(apart),
+        cmocka_unit_test(layers_are_apart),          cmocka_unit_test(one_group_holds_all),
+        cmocka_unit_test(nothing_is_seen),           cmocka_unit_test(any_cloud),
+        cmocka_unit_test(heaps_and_outliers),        cmocka_unit_test(refuses_what_means_nothing),
         cmocka_unit_test(every_allocation_may_fail),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
