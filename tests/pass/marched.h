@@ -28,22 +28,56 @@ static inline unsigned march_dominant(const double v[3])
     return most;
 }
 
-/* What 32-bit floats (u: half a unit in the last place of 1) may make of a kernel's optical depth
- * and then of its opacity, at most. Its centre is a sum of products, six roundings, and a ray's
- * direction d four, so it is off the ray by no more than `place`, which is m place / sigma of its
- * depth; m^2 / 2 itself is known to 12 u m^2 times how long a kernel is for its width; logarithms
- * and powers of 2 as Vulkan has them: 2^-21 for each of the two, 3 + 2 |x| units of up to 14. */
+/* How far off the ray 32-bit floats (u: half a unit in the last place of 1) may put a kernel's
+ * centre, at most. Of the world's place, the matrix and their products a unit each, two of their
+ * sums and one more with the translation, which has one itself: 6 and 2. Of a ray's direction
+ * three, its product with the depth one; that product is the centre's own place, but for what the
+ * kernel reaches. */
+static inline double march_place_error(const struct march_ray *r, const struct stp_camera *camera,
+                                       const struct march_kernel *k)
+{
+    const double u = ldexp(1, -24), reach = 3 * 0.55 * r->coarsest;
+    double slope = camera->orthographic ? 0 : sqrt(1 / (r->depth * r->depth) - 1), off[3];
+    for (int row = 2; row >= 0; row--) {
+        const double *m = camera->world_to_camera + 4 * row;
+        double at = m[3], terms = 0;
+        for (int a = 0; a < 3; a++) {
+            at += m[a] * k->place[a];
+            terms += fabs(m[a] * k->place[a]);
+        }
+        off[row] = u * (6 * terms + 2 * fabs(m[3]));
+        if (row < 2)
+            off[row] += slope * off[2] + u * (4 * (fabs(at) + reach) + reach);
+    }
+    return hypot(off[0], off[1]);
+}
+
+/* Relative, of an optical depth: logarithms and powers as Vulkan has them, 2^-21 or three units of
+ * the former's result, 3 + 2 |x| units of the latter's. By compute they are of the whole exponent
+ * of 2; by the rasteriser of tau's, and of exp(-m^2 / 2) with ten units for what it is times. */
+static inline double march_power_error(const struct march_kernel *k)
+{
+    const double u = ldexp(1, -24), amplitude = 1 / (pow(2 * M_PI, 1.5) * pow(0.55, 3));
+    double tau = fabs(log2(k->tau_a / amplitude)), whole = fabs(log2(march_depth(k) / M_LN2));
+    double e = 0.5 * k->m2 / M_LN2, scale = whole + e + tau;
+    double log_tau = fmax(ldexp(1, -21), 6 * u * tau);
+    double logs = log_tau + fmax(ldexp(1, -21), 6 * u * scale) + u * (scale + tau + whole);
+    double compute = M_LN2 * logs + (3 + 2 * whole) * 2 * u;
+    double raster = M_LN2 * log_tau + (3 + 2 * tau + 3 + k->m2 + 10) * 2 * u;
+    return fmax(compute, raster);
+}
+
+/* What floats may make of a kernel's optical depth and then of its opacity, at most. A centre that
+ * is off the ray by `place` changes m by place / sigma; m^2 / 2 itself is known to 12 u m^2 times
+ * how long a kernel is for its width. Both decide within MARCH_RIM what the cut leaves out. */
 static inline double march_float_error(const struct march_ray *r, const struct stp_camera *camera,
                                        const struct march_kernel *k)
 {
-    const double u = ldexp(1, -24), *c = camera->world_to_camera;
-    double size =
-        sqrt(k->place[0] * k->place[0] + k->place[1] * k->place[1] + k->place[2] * k->place[2]);
-    double aside = size + hypot(c[3], c[7]), deep = size + fabs(c[11]), m = sqrt(k->m2);
-    double slope = camera->orthographic ? 0 : sqrt(1 / (r->depth * r->depth) - 1);
-    double place = M_SQRT2 * u * (12 * aside + 10 * slope * deep);
-    double relative = m * place / (0.55 * r->finest) + 12 * u * k->m2 * r->coarsest / r->finest +
-                      M_LN2 * 2 * ldexp(1, -21) + 2 * 14 * u + (3 + 2 * 14) * 2 * u;
+    const double u = ldexp(1, -24);
+    double exponent = sqrt(k->m2) * march_place_error(r, camera, k) / (0.55 * r->finest) +
+                      12 * u * k->m2 * r->coarsest / r->finest;
+    assert_true(2 * exponent <= MARCH_RIM);
+    double relative = exponent + march_power_error(k);
     double x = march_depth(k);
     bool thin = x < 0.0155; /* by a series, within 1e-7 of itself */
     return x * relative * exp(-x) + (thin ? 3e-7 * x : (3 + 2 * x / M_LN2) * 2 * u * exp(-x) + u);
@@ -69,10 +103,21 @@ static inline void march_floats(const struct march_ray *r, const struct stp_came
     off[0] += 4 * u;
 }
 
+/* The light that comes through, whatever the order. */
+static inline double march_left(const struct march_ray *r)
+{
+    double depth = 0;
+    for (size_t i = 0; i < r->count; i++)
+        depth += march_depth(&r->found[i]);
+    return exp(-depth);
+}
+
 /* march_exchanges and march_floats of a merge, h = 0.85: of each order as much as HM Eq. 1 takes of
- * it. */
+ * it, its share. What the cut may add or leave out changes alpha only by what comes through all
+ * else. */
 static inline void march_merge(struct march_ray *r, const struct stp_camera *camera,
-                               enum stp_axis_merge merge, double most[4], double off[2])
+                               enum stp_axis_merge merge, double most[4], double off[2],
+                               double share[4])
 {
     const double *m = camera->world_to_camera, forward[3] = { -m[8], -m[9], -m[10] };
     double weight[4] = { 0 }, total = 0;
@@ -98,10 +143,12 @@ static inline void march_merge(struct march_ray *r, const struct stp_camera *cam
             off[n] += weight[a] * floats[n];
         total += weight[a];
     }
-    for (int n = 0; n < 4; n++)
+    for (int n = 0; n < 4; n++) {
         most[n] /= total;
-    for (int n = 0; n < 2; n++)
-        off[n] = off[n] / total + r->rim;
+        share[n] = weight[n] / total;
+    }
+    off[0] = off[0] / total + r->rim;
+    off[1] = off[1] / total + march_left(r) * r->rim;
 }
 
 #endif

@@ -275,19 +275,19 @@ static void slabs_at_angles(void **state)
     device_close(&device);
 }
 
-/* By compute a walk ends when no more than this can come; three of them may blend. */
-static double ended(const struct stp_render_params *params)
+/* By compute a walk ends when what it can still add, by its share, is no more than `end`; it can
+ * add but the light that is left there less what comes through everything. */
+static double ended(const struct stp_render_params *params, const double share[4], double left)
 {
-    if (params->path == STP_PATH_RASTER)
-        return 0;
-    if (params->axis_merge == STP_AXIS_SORT)
-        return ldexp(1, -20);
-    return ldexp(params->axis_merge == STP_AXIS_BLEND ? 3 : 1, -17);
+    double end = ldexp(1, params->axis_merge == STP_AXIS_SORT ? -20 : -17), sum = 0;
+    for (int n = 0; n < 4 && params->path == STP_PATH_COMPUTE; n++)
+        sum += share[n] > 0 ? fmax(0, end - share[n] * left) : 0;
+    return sum;
 }
 
 /* A second opinion: rays marched through the sum of the Gaussians (march.h). Every merge has its
- * alpha, and its colours within what the order of whole kernels may change of them, but for floats
- * and what ended walks leave out; these never came to more than 4e-5. */
+ * alpha but for floats and what ended walks leave out, and its colours within what the order of
+ * whole kernels may change of them besides; of colours those never came to more than 4e-5. */
 static void a_marched_volume(void **state)
 {
     static const char *const names[] = { "R", "G", "B" };
@@ -304,15 +304,15 @@ static void a_marched_volume(void **state)
                                             .path = n % 2 ? STP_PATH_RASTER : STP_PATH_COMPUTE };
         struct stp_image *image = device_render(&device, scene, &camera, &params);
         for (uint32_t i = 0; i < 26 * 20; i++) {
-            double through[5], most[4], off[2];
+            double through[5], most[4], off[2], share[4];
             march_pixel(&m, &camera, i % 26, i / 26, &ray);
             march_through(ray.found, ray.count, ray.depth, through);
-            march_merge(&ray, &camera, params.axis_merge, most, off);
-            close_to((double)value(image, "A", i % 26, i / 26), through[3],
-                     fmin(4e-5, off[1] + ended(&params)));
+            march_merge(&ray, &camera, params.axis_merge, most, off, share);
+            double end = ended(&params, share, march_left(&ray));
+            close_to((double)value(image, "A", i % 26, i / 26), through[3], off[1] + end);
             for (int c = 0; c < 3; c++)
                 close_to((double)value(image, names[c], i % 26, i / 26), through[c],
-                         most[c] + fmin(4e-5, off[0] + ended(&params)));
+                         most[c] + fmin(4e-5, off[0] + end));
         }
         stp_image_destroy(&image);
         stp_scene_destroy(&scene);
