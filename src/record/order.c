@@ -28,15 +28,13 @@ enum stp_result record_order(const struct stp_env *env, struct record_frame *fra
     size_t members = scene->cover.first[scene->cover.groups];
     double eye[4];
     eye_of(&plan->camera, scene->splats.origin, eye);
-    if (buffer->mapped && buffer->coherent)
-        return bsp_order(env, &scene->cover, eye, buffer->mapped);
-    uint32_t *order = mem_alloc(members, sizeof *order);
+    uint32_t *order = gpu_fill_begin(env, buffer, members, sizeof *order, "the order of splats");
     if (!order)
-        return log_no_memory(env, members * sizeof *order, "the order of splats");
+        return STP_ERROR_MEMORY;
     enum stp_result result = bsp_order(env, &scene->cover, eye, order);
     if (result == STP_OK)
-        result = gpu_upload(env, frame->context, buffer, order, members * sizeof *order);
-    mem_free(order);
+        return gpu_fill_end(env, frame->context, buffer, order, members * sizeof *order);
+    gpu_fill_drop(buffer, order);
     return result;
 }
 
