@@ -121,8 +121,20 @@ def fit_all(file, count, folder):
     return splats, clouds
 
 
+def scene_of(file, arguments, folder):
+    """The file, of the material that was asked for."""
+    if not arguments.material:
+        return file
+    path = os.path.join(folder, "scene.json")
+    with open(path, "w") as out:
+        material = dict(zip(("ambient", "diffuse", "specular", "shininess"), arguments.material))
+        json.dump({"points": [{"file": os.path.abspath(file), "material": material}]}, out)
+    return path
+
+
 def render(file, arguments, out, camera, more=()):
-    run("render", file, "-o", out, "-q", "--size", "1024x1024", "--camera", camera,
+    scene = scene_of(file, arguments, os.path.dirname(out))
+    run("render", scene, "-o", out, "-q", "--size", "1024x1024", "--camera", camera,
         "--method", arguments.method, "--min-splat", "0", *more)
 
 
@@ -130,7 +142,8 @@ def render_truth(file, arguments, folder):
     """truth.exr, and camera.json for all others: left to itself, each would be framed by the extent
     of its own splats."""
     truth, camera = (os.path.join(folder, n) for n in ("truth.exr", "camera.json"))
-    run("render", file, "-o", truth, "-q", "--size", "1024x1024", "--view", arguments.view,
+    scene = scene_of(file, arguments, folder)
+    run("render", scene, "-o", truth, "-q", "--size", "1024x1024", "--view", arguments.view,
         "--method", arguments.method, "--min-splat", "0", "--write-camera", camera)
     return truth, camera
 
@@ -315,6 +328,8 @@ def main():
                         help="default: 1000,3000,10000,30000,100000; frames: 3000,10000")
     parser.add_argument("--tolerances", type=lambda text: text.split(","),
                         help="curve: in the place of the counts, which take a search each")
+    parser.add_argument("--material", type=lambda text: [float(x) for x in text.split(",")],
+                        help="ambient,diffuse,specular,shininess; default: 0.1,0.7,0.2,32")
     parser.add_argument("--view", default="35,15")
     parser.add_argument("--method", default="two-pass")
     parser.add_argument("--rounds", type=int, default=5)

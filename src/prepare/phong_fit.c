@@ -11,6 +11,7 @@
 #include "prepare/phong_cover.h"
 #include "prepare/phong_crease.h"
 #include "prepare/phong_orient.h"
+#include "prepare/phong_share.h"
 #include "prepare/phong_splats.h"
 #include "scene/axes.h"
 #include "scene/scene.h"
@@ -151,6 +152,8 @@ static enum stp_result fit(struct fitting *f)
         result = creases_find(env, &f->cloud);
     if (result == STP_OK)
         result = find_patches(f);
+    if (result == STP_OK && f->set.count > 0)
+        result = patches_share(env, &f->cloud, f->fit.tolerance, &f->set);
     if (result == STP_OK)
         result = patches_to_splats(env, &f->cloud, &f->set, f->fit.tolerance,
                                    (struct field_way){ f->params->flat, f->params->alone },
