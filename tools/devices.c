@@ -5,8 +5,6 @@
 
 #include "cli.h"
 
-#define MAX_DEVICES 16
-
 static const char *processor_text(const struct stp_limits *limits)
 {
     return limits->processor == 1 ? "software" : "GPU";
@@ -109,26 +107,38 @@ static int show(struct console *console, const struct settings *settings,
     return settings->json ? print_profile(console, first) : print_devices(devices, count);
 }
 
+/* All devices, to be freed; one that comes between the calls is left out. NULL: logged. */
+static struct stp_device_info *find_devices(struct console *console, unsigned *count)
+{
+    unsigned capacity = 0, found = 0;
+    if (stp_devices(&console->env, NULL, 0, &capacity) != STP_OK)
+        return NULL;
+    struct stp_device_info *devices = calloc(capacity ? capacity : 1, sizeof *devices);
+    if (!devices)
+        console_error(console, "out of memory");
+    else if (stp_devices(&console->env, devices, capacity, &found) == STP_OK) {
+        *count = found < capacity ? found : capacity;
+        return devices;
+    }
+    free(devices);
+    return NULL;
+}
+
 int run_devices(struct settings *settings)
 {
     struct console console;
-    struct stp_device_info *devices = calloc(MAX_DEVICES, sizeof *devices);
+    const char *part = settings->context.device;
     unsigned count = 0;
     int status = EXIT_FAILED;
     console_open(&console, settings);
-    if (!devices) {
-        console_error(&console, "out of memory");
-        console_close(&console);
-        return status;
-    }
-    enum stp_result result = stp_devices(&console.env, devices, MAX_DEVICES, &count);
-    const char *part = settings->context.device;
-    count = select_devices(devices, count > MAX_DEVICES ? MAX_DEVICES : count, part);
-    if (result == STP_OK && count == 0)
+    struct stp_device_info *devices = find_devices(&console, &count);
+    if (devices)
+        count = select_devices(devices, count, part);
+    if (devices && count == 0)
         console_error(&console,
                       "no Vulkan device%s%s; mesa-vulkan-drivers brings one that needs no GPU",
                       part ? " whose name holds " : "", part ? part : "");
-    else if (result == STP_OK)
+    else if (devices)
         status = show(&console, settings, devices, count);
     console_close(&console);
     free(devices);

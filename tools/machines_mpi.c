@@ -16,7 +16,7 @@ static const char *launched_rank(void)
     return rank;
 }
 
-static enum stp_result agree(void *user, enum stp_result mine)
+static enum stp_result agree(void *, enum stp_result mine)
 {
     int worst = (int)mine;
     MPI_Allreduce(MPI_IN_PLACE, &worst, 1, MPI_INT, MPI_MAX, MPI_COMM_WORLD);
@@ -35,8 +35,7 @@ static void reduce_some(MPI_Op operation, int64_t *values, int count, bool to_al
 }
 
 /* MPI counts in ints. Its own errors end all processes: that is its default. */
-static void reduce(void *user, enum stp_reduction reduction, int64_t *values, size_t count,
-                   bool to_all)
+static void reduce(void *, enum stp_reduction reduction, int64_t *values, size_t count, bool to_all)
 {
     MPI_Op operation = reduction == STP_REDUCE_SUM ? MPI_SUM : MPI_MIN;
     for (size_t at = 0; at < count; at += INT_MAX) {
@@ -58,7 +57,7 @@ void machines_open(struct stp_machines *exchange)
     };
 }
 
-void machines_close(struct stp_machines *exchange)
+void machines_close(struct stp_machines *)
 {
     int started = 0;
     MPI_Initialized(&started);

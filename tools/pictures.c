@@ -24,14 +24,14 @@ struct kind {
                              const struct stp_exr_params *params);
 };
 
-static enum stp_result write_flat(struct console *console, const struct settings *settings,
+static enum stp_result write_flat(struct console *console, const struct settings *,
                                   const struct stp_image *image, const char *path,
                                   const struct stp_exr_params *params)
 {
     return stp_image_write_exr(&console->env, image, path, params);
 }
 
-static enum stp_result write_deep(struct console *console, const struct settings *settings,
+static enum stp_result write_deep(struct console *console, const struct settings *,
                                   const struct stp_image *image, const char *path,
                                   const struct stp_exr_params *params)
 {
@@ -40,7 +40,7 @@ static enum stp_result write_deep(struct console *console, const struct settings
 
 static enum stp_result write_preview(struct console *console, const struct settings *settings,
                                      const struct stp_image *image, const char *path,
-                                     const struct stp_exr_params *params)
+                                     const struct stp_exr_params *)
 {
     return stp_image_write_png(&console->env, image, path, settings->exposure);
 }

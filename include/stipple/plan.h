@@ -155,6 +155,7 @@ struct stp_limits {
     uint64_t max_allocation; /* of one buffer */
     uint32_t max_image_size, max_image_layers;
     uint32_t max_workgroups; /* along x */
+    uint32_t max_texels;     /* of a buffer that is fetched as texels */
     uint32_t processor;      /* 1: a CPU device, 2: a GPU */
     struct stp_calibration calibration;
 };

@@ -73,7 +73,8 @@ struct stp_device_info {
     char lacks[512]; /* names of what is missing, required and optional; "" when nothing */
     char api_version[32];
 };
-/* Up to `capacity` devices; *count gets how many there are. */
+/* Fills in up to `capacity` devices; *count gets how many there are, be it more. Capacity 0, with
+ * which devices may be NULL, asks for the count alone. */
 STP_API enum stp_result stp_devices(const struct stp_env *env, struct stp_device_info *devices,
                                     unsigned capacity, unsigned *count);
 

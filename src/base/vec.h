@@ -20,6 +20,18 @@ static inline struct vec3 v3_loadf(const float p[3])
 {
     return v3(p[0], p[1], p[2]);
 }
+static inline void v3_store(struct vec3 v, double out[3])
+{
+    out[0] = v.x;
+    out[1] = v.y;
+    out[2] = v.z;
+}
+static inline void v3_storef(struct vec3 v, float out[3])
+{
+    out[0] = (float)v.x;
+    out[1] = (float)v.y;
+    out[2] = (float)v.z;
+}
 static inline struct vec3 v3_add(struct vec3 a, struct vec3 b)
 {
     return v3(a.x + b.x, a.y + b.y, a.z + b.z);

@@ -6,32 +6,39 @@
 #include "base/log.h"
 #include "base/memory.h"
 
-#define MOST_DEVICES 16
+/* The first of the best kind among those that are usable and named so; without one *best holds
+ * what the first that is named so lacks. */
+static VkPhysicalDevice best_device(const struct gpu_instance *instance,
+                                    const VkPhysicalDevice *devices, uint32_t count,
+                                    const char *name, struct stp_device_info *best)
+{
+    VkPhysicalDevice chosen = VK_NULL_HANDLE;
+    struct stp_device_info info;
+    for (uint32_t i = 0; i < count; i++) {
+        bool usable = gpu_device_survey(instance, devices[i], &info);
+        if (name && !strcasestr(info.limits.device, name))
+            continue;
+        if (!usable && !best->limits.device[0])
+            *best = info;
+        if (!usable || (best->usable && best->limits.processor >= info.limits.processor))
+            continue;
+        *best = info;
+        chosen = devices[i];
+    }
+    return chosen;
+}
 
 static enum stp_result choose(const struct stp_env *env, const struct stp_context_params *params,
                               struct stp_context *context)
 {
-    VkPhysicalDevice devices[MOST_DEVICES];
+    VkPhysicalDevice *devices = NULL;
     uint32_t count = 0;
-    enum stp_result result =
-        gpu_instance_devices(env, &context->instance, devices, MOST_DEVICES, &count);
+    struct stp_device_info best = { 0 };
+    enum stp_result result = gpu_instance_devices(env, &context->instance, &devices, &count);
     if (result != STP_OK)
         return result;
-    struct stp_device_info best = { 0 }, info = { 0 };
-    for (uint32_t i = 0; i < count && i < MOST_DEVICES; i++) {
-        bool usable = gpu_device_survey(&context->instance, devices[i], &info);
-        if (params->device && !strcasestr(info.limits.device, params->device))
-            continue;
-        if (!usable) {
-            if (!best.usable)
-                best = info;
-            continue;
-        }
-        if (best.usable && best.limits.processor >= info.limits.processor)
-            continue;
-        best = info;
-        context->physical = devices[i];
-    }
+    context->physical = best_device(&context->instance, devices, count, params->device, &best);
+    mem_free(devices);
     context->limits = best.limits;
     if (context->physical)
         return STP_OK;
@@ -108,14 +115,15 @@ enum stp_result stp_devices(const struct stp_env *env, struct stp_device_info *d
                             unsigned capacity, unsigned *count)
 {
     struct gpu_instance instance;
-    VkPhysicalDevice handles[MOST_DEVICES];
+    VkPhysicalDevice *handles = NULL;
     uint32_t found = 0;
     enum stp_result result = gpu_instance_create(env, false, NULL, &instance);
     if (result != STP_OK)
         return result;
-    result = gpu_instance_devices(env, &instance, handles, MOST_DEVICES, &found);
-    for (uint32_t i = 0; result == STP_OK && i < found && i < capacity && i < MOST_DEVICES; i++)
+    result = gpu_instance_devices(env, &instance, &handles, &found);
+    for (uint32_t i = 0; i < found && i < capacity; i++)
         gpu_device_survey(&instance, handles[i], &devices[i]);
+    mem_free(handles);
     gpu_instance_destroy(&instance);
     if (result == STP_OK)
         *count = found;

@@ -110,10 +110,11 @@ bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice dev
     l->max_image_size = p.properties.limits.maxImageDimension2D;
     l->max_image_layers = p.properties.limits.maxImageArrayLayers;
     l->max_workgroups = p.properties.limits.maxComputeWorkGroupCount[0];
+    l->max_texels = p.properties.limits.maxTexelBufferElements;
     l->processor = p.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? 1 : 2;
     survey_features(instance, device, info);
     survey_memory(instance, device, l);
-    if (p.properties.limits.maxTexelBufferElements >= PLAN_MOST_TEXELS)
+    if (l->max_texels >= PLAN_MANY_TEXELS)
         l->features |= STP_FEATURE_TEXEL_BUFFERS;
     if (shuffles_by_eight(&v11, &v13))
         l->features |= STP_FEATURE_SUBGROUP_SHUFFLE;

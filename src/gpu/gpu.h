@@ -80,9 +80,9 @@ struct stp_context {
 enum stp_result gpu_instance_create(const struct stp_env *env, bool validate, void *user,
                                     struct gpu_instance *instance);
 void gpu_instance_destroy(struct gpu_instance *instance);
-/* Up to `capacity` handles; *count gets how many there are. */
+/* All of them; free with mem_free. */
 enum stp_result gpu_instance_devices(const struct stp_env *env, const struct gpu_instance *instance,
-                                     VkPhysicalDevice *devices, uint32_t capacity, uint32_t *count);
+                                     VkPhysicalDevice **devices, uint32_t *count);
 
 /* gpu/device.c: what a device offers. `lacks` gets the names of everything that is missing. */
 bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice device,
@@ -171,6 +171,13 @@ enum stp_result gpu_upload(const struct stp_env *env, struct stp_context *contex
 enum stp_result gpu_upload_at(const struct stp_env *env, struct stp_context *context,
                               struct gpu_buffer *buffer, size_t offset, const void *data,
                               size_t bytes);
+/* The same of what the host computes: gpu_fill_begin says where to write count * size bytes, and
+ * gpu_fill_end sends them. Where the host sees the device's memory that is the buffer itself, and
+ * nothing is staged; so only write. NULL: no memory, logged. */
+void *gpu_fill_begin(const struct stp_env *env, const struct gpu_buffer *buffer, size_t count,
+                     size_t size, const char *what);
+enum stp_result gpu_fill_end(const struct stp_env *env, struct stp_context *context,
+                             struct gpu_buffer *buffer, void *filled, size_t bytes);
 /* The other way; what wrote the buffer has been waited for. */
 enum stp_result gpu_download(const struct stp_env *env, struct stp_context *context,
                              const struct gpu_buffer *buffer, size_t offset, void *data,

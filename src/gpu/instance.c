@@ -5,6 +5,7 @@
 #include <string.h>
 
 #include "base/log.h"
+#include "base/memory.h"
 
 static const char validation_layer[] = "VK_LAYER_KHRONOS_validation";
 
@@ -50,7 +51,7 @@ static enum stp_result find_validation(const struct stp_env *env,
 }
 
 /* user is the context: counts, and passes the first line of the message on. */
-static VKAPI_ATTR VkBool32 VKAPI_CALL message(VkDebugUtilsMessageSeverityFlagBitsEXT severity,
+static VKAPI_ATTR VkBool32 VKAPI_CALL message(VkDebugUtilsMessageSeverityFlagBitsEXT,
                                               VkDebugUtilsMessageTypeFlagsEXT types,
                                               const VkDebugUtilsMessengerCallbackDataEXT *data,
                                               void *user)
@@ -149,14 +150,22 @@ void gpu_instance_destroy(struct gpu_instance *instance)
 }
 
 enum stp_result gpu_instance_devices(const struct stp_env *env, const struct gpu_instance *instance,
-                                     VkPhysicalDevice *devices, uint32_t capacity, uint32_t *count)
+                                     VkPhysicalDevice **devices, uint32_t *count)
 {
-    uint32_t written = capacity, all = 0;
+    uint32_t all = 0;
     VkResult result = instance->vk.vkEnumeratePhysicalDevices(instance->handle, &all, NULL);
-    if (result == VK_SUCCESS)
-        result = instance->vk.vkEnumeratePhysicalDevices(instance->handle, &written, devices);
-    if (result != VK_SUCCESS && result != VK_INCOMPLETE)
+    if (result != VK_SUCCESS)
         return gpu_error(env, result, "vkEnumeratePhysicalDevices");
+    VkPhysicalDevice *found = mem_alloc(all ? all : 1, sizeof(VkPhysicalDevice));
+    if (!found)
+        return log_no_memory(env, all * sizeof(VkPhysicalDevice), "the list of devices");
+    result = instance->vk.vkEnumeratePhysicalDevices(instance->handle, &all, found);
+    if (result != VK_SUCCESS &&
+        result != VK_INCOMPLETE) { /* incomplete: one was plugged in since */
+        mem_free(found);
+        return gpu_error(env, result, "vkEnumeratePhysicalDevices");
+    }
+    *devices = found;
     *count = all;
     return STP_OK;
 }

@@ -4,6 +4,9 @@
 #include <assert.h>
 #include <string.h>
 
+#include "base/log.h"
+#include "base/memory.h"
+
 void *gpu_view(const struct gpu_buffer *buffer)
 {
     return buffer->coherent ? buffer->mapped : NULL;
@@ -64,6 +67,27 @@ enum stp_result gpu_upload(const struct stp_env *env, struct stp_context *contex
                            struct gpu_buffer *buffer, const void *data, size_t bytes)
 {
     return gpu_upload_at(env, context, buffer, 0, data, bytes);
+}
+
+void *gpu_fill_begin(const struct stp_env *env, const struct gpu_buffer *buffer, size_t count,
+                     size_t size, const char *what)
+{
+    void *place = gpu_view(buffer);
+    if (!place)
+        place = mem_alloc(count, size);
+    if (!place)
+        log_no_memory(env, count * size, what);
+    return place;
+}
+
+enum stp_result gpu_fill_end(const struct stp_env *env, struct stp_context *context,
+                             struct gpu_buffer *buffer, void *filled, size_t bytes)
+{
+    if (filled == gpu_view(buffer))
+        return STP_OK;
+    enum stp_result result = gpu_upload(env, context, buffer, filled, bytes);
+    mem_free(filled);
+    return result;
 }
 
 static enum stp_result invalidate(const struct stp_env *env, struct stp_context *context,

@@ -87,7 +87,7 @@ static double integer_of(float value, double divisor)
     return unsigned_value > 0 ? divisor : 0;
 }
 
-static void decode_range(void *context, size_t begin, size_t end, unsigned worker)
+static void decode_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct decode *decode = context;
     for (size_t i = begin; i < end; i++) {
@@ -99,7 +99,7 @@ static void decode_range(void *context, size_t begin, size_t end, unsigned worke
     }
 }
 
-static void look_up_range(void *context, size_t begin, size_t end, unsigned worker)
+static void look_up_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct decode *decode = context;
     for (size_t i = begin; i < end; i++)

@@ -95,7 +95,7 @@ struct paint {
     double low, high;
 };
 
-static void ramp_range(void *context, size_t begin, size_t end, unsigned worker)
+static void ramp_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct paint *p = context;
     for (size_t i = begin; i < end; i++) {
@@ -107,7 +107,7 @@ static void ramp_range(void *context, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static void class_range(void *context, size_t begin, size_t end, unsigned worker)
+static void class_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct paint *p = context;
     for (size_t i = begin; i < end; i++)

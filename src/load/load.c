@@ -79,18 +79,3 @@ enum stp_result load_from_bytes(const struct stp_env *env, const char *path,
     *cloud = read;
     return STP_OK;
 }
-
-enum stp_result load_points(const struct stp_env *env, const char *path,
-                            const struct load_options *options, struct cloud *cloud)
-{
-    struct file_bytes bytes;
-    log_progress(env, "load", 0);
-    enum stp_result result = file_read(env, path, &bytes);
-    if (result != STP_OK)
-        return result;
-    result = load_from_bytes(env, path, &bytes, options, cloud);
-    file_release(&bytes);
-    if (result == STP_OK)
-        log_progress(env, "load", 1);
-    return result;
-}

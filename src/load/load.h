@@ -16,7 +16,4 @@ typedef enum stp_result (*reader_fn)(const struct stp_env *env, const char *path
                                      const struct file_bytes *bytes,
                                      const struct load_options *options, struct cloud *cloud);
 
-enum stp_result load_points(const struct stp_env *env, const char *path,
-                            const struct load_options *options, struct cloud *cloud);
-
 #endif

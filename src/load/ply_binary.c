@@ -14,7 +14,7 @@ struct run {
     bool swap;
 };
 
-static inline uint8_t bits8(const unsigned char *p, bool swap)
+static inline uint8_t bits8(const unsigned char *p, bool)
 {
     return *p;
 }
@@ -97,7 +97,7 @@ struct body {
     bool swap;
 };
 
-static void convert_range(void *context, size_t begin, size_t end, unsigned worker)
+static void convert_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct body *body = context;
     size_t offset = 0;

@@ -52,7 +52,7 @@ static enum stp_result judge_vertices(const struct stp_env *env, const struct pl
 }
 
 /* False: the reader of whole files has to say what is wrong. */
-static bool find_rows(const struct stp_env *env, const struct ply_header *header,
+static bool find_rows(const struct stp_env *, const struct ply_header *header,
                       const struct ply_element *vertex, struct ply_stream *stream, bool *has_list)
 {
     bool before;

@@ -26,7 +26,7 @@ static void on_error(png_structp png, png_const_charp message)
     longjmp(r->out, 1);
 }
 
-static void on_warning(png_structp png, png_const_charp message)
+static void on_warning(png_structp, png_const_charp)
 {
 }
 

@@ -33,7 +33,8 @@ enum stp_result xyz_read(const struct stp_env *env, const char *path,
 
 /* Does a reader of points take these bytes? */
 bool load_recognises(const struct file_bytes *bytes);
-/* What load_points does with the bytes of a file. */
+/* Reads the bytes of a file by the format that they show. path is for messages; options NULL: the
+ * defaults. On failure *cloud is untouched. */
 enum stp_result load_from_bytes(const struct stp_env *env, const char *path,
                                 const struct file_bytes *bytes, const struct load_options *options,
                                 struct cloud *cloud);

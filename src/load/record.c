@@ -79,7 +79,7 @@ struct body {
     const struct table *table;
 };
 
-static void read_range(void *context, size_t begin, size_t end, unsigned worker)
+static void read_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct body *body = context;
     for (unsigned c = 0; c < body->table->count; c++) {

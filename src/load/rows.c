@@ -39,7 +39,7 @@ static size_t count_lines(const struct text_style *style, const char *at, const 
     return rows;
 }
 
-static void count_range(void *context, size_t begin, size_t end, unsigned worker)
+static void count_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct blocks *blocks = context;
     for (size_t i = begin; i < end; i++)
@@ -111,7 +111,7 @@ static const char *read_regular(const struct blocks *blocks, const char *at, con
                                                                 : NULL;
 }
 
-static void read_range(void *context, size_t begin, size_t end, unsigned worker)
+static void read_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct blocks *blocks = context;
     const struct text_style *style = &blocks->source->style;

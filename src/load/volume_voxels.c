@@ -131,7 +131,7 @@ struct conversion {
     int64_t first, step[3]; /* voxels of the file along the world's axes */
 };
 
-static void convert_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void convert_rows(void *context, size_t begin, size_t end, unsigned)
 {
     const struct conversion *c = context;
     const struct voxels *v = c->voxels;

@@ -171,7 +171,7 @@ static void change_depth(struct stp_context *context, VkCommandBuffer commands,
 }
 
 void pass_record_copy_depth(struct stp_context *context, VkCommandBuffer commands,
-                            const struct stp_plan *plan, const struct plan_pass *pass,
+                            const struct stp_plan *plan, const struct plan_pass *,
                             const struct plan_tile *tile, const struct pass_resources *resources)
 {
     const struct stp_host_image *depth = &resources->targets->depth;

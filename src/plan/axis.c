@@ -193,8 +193,8 @@ static bool is_fetched(const struct stp_plan *plan)
 {
     return plan->path == STP_PATH_COMPUTE &&
            (plan->limits.features & STP_FEATURE_TEXEL_BUFFERS) != 0 &&
-           plan->axis_blocks.count <= PLAN_MOST_TEXELS &&
-           plan->facts.splats * projected_vectors(plan) <= PLAN_MOST_TEXELS;
+           plan->axis_blocks.count <= plan->limits.max_texels &&
+           plan->facts.splats * projected_vectors(plan) <= plan->limits.max_texels;
 }
 
 /* A pass over the blocks' lists. */

@@ -8,13 +8,6 @@
 
 _Static_assert(STP_ENVIRONMENT_LEVELS == ENVIRONMENT_LEVELS, "levels");
 
-static void store(double axis[3], struct vec3 v)
-{
-    axis[0] = v.x;
-    axis[1] = v.y;
-    axis[2] = v.z;
-}
-
 void plan_turn_environment(struct stp_plan *plan)
 {
     struct stp_frame_constants *f = &plan->frame;
@@ -46,9 +39,9 @@ void plan_environment(struct stp_plan *plan, const struct stp_scene *scene)
     if (!*optics)
         return;
     struct environment_frame frame = environment_frame(facts->up, e->params.rotation);
-    store(plan->environment_axes[0], frame.right);
-    store(plan->environment_axes[1], frame.up);
-    store(plan->environment_axes[2], frame.centre);
+    v3_store(frame.right, plan->environment_axes[0]);
+    v3_store(frame.up, plan->environment_axes[1]);
+    v3_store(frame.centre, plan->environment_axes[2]);
     plan_turn_environment(plan);
     for (unsigned i = 0; i < e->level_count; i++)
         f->environment_levels[i] = (struct stp_level_gpu){ (uint32_t)e->level[i].first,

@@ -5,7 +5,7 @@
 #include <string.h>
 
 #include "base/vec.h"
-#include "reference/samples.h"
+#include "scene/samples.h"
 #include "scene/scene.h"
 
 static void transform(struct stp_plan *plan)

@@ -86,7 +86,7 @@ static enum plan_cost peel_cost(const struct stp_plan *plan, const struct survey
     return plan->constant[PLAN_HAS_COLOR] ? PLAN_COST_PEEL_COLOR : PLAN_COST_PEEL;
 }
 
-static void peel_keep(const struct stp_plan *plan, struct probe_fragment *fragment, size_t count)
+static void peel_keep(const struct stp_plan *, struct probe_fragment *fragment, size_t count)
 {
     for (size_t i = 0; i < count; i++)
         fragment[i].depth = (double)(float)fragment[i].depth;

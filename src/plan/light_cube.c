@@ -1,6 +1,4 @@
 /* BSK 4.1: lighting over normals, precomputed into a cube map. */
-#include <math.h>
-
 #include "base/log.h"
 #include "plan/plan.h"
 
@@ -44,20 +42,4 @@ void plan_light_cube_steps(struct stp_plan *plan)
     pass->shader = PLAN_SHADER_LIGHT_CUBE;
     pass->groups = (texels + STP_GROUP - 1) / STP_GROUP;
     plan_writes(plan, pass, PLAN_LIGHTS);
-}
-
-/* Texels are d apart on a face of half side 1, where a step turns the normal by no more than its
- * own length. Bilinear interpolation is off by at most d^2 / 8 of each second derivative: 1 of a
- * diffuse term away from its edge, 2 s of a specular one of exponent s; and by a quarter of the
- * diagonal where the diffuse term bends. */
-double plan_light_cube_error(const struct stp_plan *plan, const struct stp_material *material,
-                             double albedo)
-{
-    double d = 2.0 / (STP_LIGHT_CUBE - 1), light = 0, s = (double)material->shininess;
-    for (uint32_t i = 0; i < plan->light_count; i++)
-        light += fmax(fmax((double)plan->lights[i].color[0], (double)plan->lights[i].color[1]),
-                      (double)plan->lights[i].color[2]);
-    double diffuse = M_SQRT2 * d / 4 + d * d / 4, specular = fmin(1, s * d * d / 2);
-    return light *
-           (albedo * (double)material->diffuse * diffuse + (double)material->specular * specular);
 }

@@ -22,6 +22,7 @@ void stp_limits_lavapipe(struct stp_limits *limits)
         .max_image_size = 16384,
         .max_image_layers = 2048,
         .max_workgroups = 65535,
+        .max_texels = PLAN_MANY_TEXELS,
         .processor = 1,
     };
     calibration_built_in(&limits->calibration);
@@ -72,11 +73,11 @@ static enum stp_result get_text(const struct json_at *at, const cJSON *root, con
 static enum stp_result read_limits(const struct json_at *at, const cJSON *root,
                                    struct stp_limits *limits)
 {
-    double heap = 0, allocation = 0, size = 0, layers = 0, groups = 0, processor = 0;
+    double heap = 0, allocation = 0, size = 0, layers = 0, groups = 0, texels = 0, processor = 0;
     enum stp_result result = json_check_object(
         at, root,
         "device driver features heap_bytes max_allocation max_image_size max_image_layers "
-        "max_workgroups processor calibration version api_version usable lacks");
+        "max_workgroups max_texels processor calibration version api_version usable lacks");
     if (result == STP_OK)
         result = get_text(at, root, "device", limits->device, sizeof limits->device);
     if (result == STP_OK)
@@ -94,6 +95,8 @@ static enum stp_result read_limits(const struct json_at *at, const cJSON *root,
     if (result == STP_OK)
         result = get_count(at, root, "max_workgroups", 0x1p32 - 1, &groups);
     if (result == STP_OK)
+        result = get_count(at, root, "max_texels", 0x1p32 - 1, &texels);
+    if (result == STP_OK)
         result = get_count(at, root, "processor", 2, &processor);
     if (result == STP_OK)
         result = calibration_from_json(at, root, &limits->calibration);
@@ -104,6 +107,7 @@ static enum stp_result read_limits(const struct json_at *at, const cJSON *root,
     limits->max_image_size = (uint32_t)size;
     limits->max_image_layers = (uint32_t)layers;
     limits->max_workgroups = (uint32_t)groups;
+    limits->max_texels = (uint32_t)texels;
     limits->processor = (uint32_t)processor;
     return STP_OK;
 }
@@ -146,6 +150,7 @@ char *stp_limits_print(const struct stp_limits *limits)
                     { "max_image_size", limits->max_image_size },
                     { "max_image_layers", limits->max_image_layers },
                     { "max_workgroups", limits->max_workgroups },
+                    { "max_texels", limits->max_texels },
                     { "processor", limits->processor } };
     cJSON *root = cJSON_CreateObject(), *calibration = calibration_to_json(&limits->calibration);
     bool whole = root && calibration && cJSON_AddStringToObject(root, "device", limits->device) &&

@@ -189,9 +189,6 @@ enum stp_result plan_check_shade(const struct stp_env *env, const struct stp_pla
 enum stp_result plan_light_cube(const struct stp_env *env, struct stp_plan *plan);
 /* Its buffer, and the pass that fills it; before the passes that shade. */
 void plan_light_cube_steps(struct stp_plan *plan);
-/* How far a component of a pixel's colour may be from what its lights give, for one albedo. */
-double plan_light_cube_error(const struct stp_plan *plan, const struct stp_material *material,
-                             double albedo);
 /* The most that one splat's fragment can shine, by any of the scene's lights. */
 double plan_most_light(const struct stp_plan *plan, const struct stp_scene *scene);
 

@@ -91,13 +91,13 @@ static void each_cell(const struct making *m, const uint32_t box[4], cell_fn fn,
         }
 }
 
-static void mark(void *context, uint32_t cell)
+static void mark(void *context, uint32_t)
 {
     *(uint8_t *)context = 1;
 }
 
 /* A coarse sieve: a pixel's margin, and large boxes pass. */
-static void sieve(void *context, size_t begin, size_t end, unsigned worker)
+static void sieve(void *context, size_t begin, size_t end, unsigned)
 {
     struct making *m = context;
     for (size_t i = begin; i < end; i++) {

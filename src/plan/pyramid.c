@@ -62,7 +62,7 @@ static void level_image(struct stp_plan *plan, const char *name, enum plan_slot 
 
 static bool may_fetch(const struct stp_plan *plan, uint64_t texels)
 {
-    return (plan->limits.features & STP_FEATURE_TEXEL_BUFFERS) && texels <= PLAN_MOST_TEXELS;
+    return (plan->limits.features & STP_FEATURE_TEXEL_BUFFERS) && texels <= plan->limits.max_texels;
 }
 
 static void transient_resources(struct stp_plan *plan)

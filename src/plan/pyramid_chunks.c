@@ -5,8 +5,6 @@
 #include <stdio.h>
 #include <string.h>
 
-#define MOST_TEXELS ((uint64_t)1 << 26) /* of a buffer that is fetched as texels */
-
 uint64_t plan_chunk_points(const struct stp_plan *plan)
 {
     uint64_t most = 0;
@@ -29,15 +27,15 @@ static uint64_t points_at_once(const struct stp_plan *plan)
     uint64_t by_heap = plan->limits.heap_bytes / 4 / bytes_of_points(plan);
     uint64_t by_buffer = plan->limits.max_allocation / 16;
     uint64_t most = by_heap < by_buffer ? by_heap : by_buffer;
-    most = most < MOST_TEXELS ? most : MOST_TEXELS;
+    most = most < plan->limits.max_texels ? most : plan->limits.max_texels;
     return most / STP_POINT_RUN * STP_POINT_RUN;
 }
 
 static bool all_at_once(const struct stp_plan *plan)
 {
     uint64_t n = plan->facts.splats;
-    return n * bytes_of_points(plan) <= plan->limits.heap_bytes / 2 && n <= MOST_TEXELS &&
-           n * 16 <= plan->limits.max_allocation;
+    return n * bytes_of_points(plan) <= plan->limits.heap_bytes / 2 &&
+           n <= plan->limits.max_texels && n * 16 <= plan->limits.max_allocation;
 }
 
 /* Parts of at most `most` points; false: too many. */

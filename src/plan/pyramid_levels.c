@@ -54,7 +54,7 @@ static void take_nearest(uint64_t *key, uint64_t value)
         ;
 }
 
-static void project(void *context, size_t begin, size_t end, unsigned worker)
+static void project(void *context, size_t begin, size_t end, unsigned)
 {
     const struct pyramid *p = context;
     const struct plan_grid *g = &p->plan->grid;
@@ -70,13 +70,6 @@ static void project(void *context, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static void store3(struct vec3 v, float out[3])
-{
-    out[0] = (float)v.x;
-    out[1] = (float)v.y;
-    out[2] = (float)v.z;
-}
-
 bool pyramid_point(const struct pyramid *p, size_t id, struct pyramid_texel *t, double at[2])
 {
     struct placed point;
@@ -85,8 +78,8 @@ bool pyramid_point(const struct pyramid *p, size_t id, struct pyramid_texel *t, 
     *t = (struct pyramid_texel){ .full = true, .exact = true, .id = (uint32_t)id };
     t->depth = (float)point.center.z;
     t->radius = p->view->scene->splats.radius[id];
-    store3(point.normal, t->normal);
-    store3(splat_albedo(p->view, (uint32_t)id), t->color);
+    v3_storef(point.normal, t->normal);
+    v3_storef(splat_albedo(p->view, (uint32_t)id), t->color);
     memcpy(at, point.at, sizeof point.at);
     return true;
 }
@@ -165,7 +158,7 @@ static void finish_mean(struct pyramid_texel *mean, struct vec3 normal, double c
     for (int k = 0; k < 3; k++)
         mean->color[k] *= scale;
     if (v3_dot(normal, normal) > 1e-12)
-        store3(v3_unit(normal), mean->normal);
+        v3_storef(v3_unit(normal), mean->normal);
     else
         memcpy(mean->normal, front_normal, sizeof mean->normal);
 }
@@ -248,7 +241,7 @@ struct step {
     unsigned level;
 };
 
-static void pull_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void pull_rows(void *context, size_t begin, size_t end, unsigned)
 {
     const struct step *s = context;
     uint32_t width = s->pyramid->width[s->level];
@@ -275,7 +268,7 @@ static void push_texel(const struct pyramid *p, unsigned level, int64_t x, int64
         own->center[k] = (float)(r.center[k] - middle[k]);
 }
 
-static void push_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void push_rows(void *context, size_t begin, size_t end, unsigned)
 {
     const struct step *s = context;
     for (size_t y = begin; y < end; y++)

@@ -254,7 +254,7 @@ struct counted {
     uint64_t found;
 };
 
-static void count_range(void *context, size_t begin, size_t end, unsigned worker)
+static void count_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct counted *counted = context;
     struct spot spot;

@@ -82,8 +82,9 @@ enum plan_format {
     PLAN_TEXELS_R32UI,
 };
 
-/* Texels of a buffer that STP_FEATURE_TEXEL_BUFFERS promises. */
-#define PLAN_MOST_TEXELS ((uint64_t)1 << 27)
+/* Texels of a buffer that STP_FEATURE_TEXEL_BUFFERS promises; what a plan may use is its limits'.
+ */
+#define PLAN_MANY_TEXELS ((uint64_t)1 << 27)
 
 struct plan_resource {
     char name[24];

@@ -69,7 +69,7 @@ static uint64_t count_splat(struct count *count, size_t i, struct part *part)
 }
 
 /* Indices of groups of SURVEY_LANES neighbours. */
-static void count_range(void *context, size_t begin, size_t end, unsigned worker)
+static void count_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct count *count = context;
     struct part part = { 0 };

@@ -182,7 +182,7 @@ static bool texels_fit(const struct stp_plan *plan)
     bool fit = true;
     for (uint32_t i = 0; i < plan->resource_count; i++)
         fit = fit && (plan->resource[i].format != PLAN_TEXELS_RG32UI ||
-                      plan->resource[i].bytes / 8 <= PLAN_MOST_TEXELS);
+                      plan->resource[i].bytes / 8 <= plan->limits.max_texels);
     return fit;
 }
 

@@ -193,7 +193,7 @@ static enum plan_cost cost(const struct stp_plan *plan, const struct survey *sur
 }
 
 /* Sums of 40 bits and more: nothing is lost that a picture shows. */
-static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, size_t count)
+static void keep(const struct stp_plan *, struct probe_fragment *, size_t)
 {
 }
 

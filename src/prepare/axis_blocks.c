@@ -88,7 +88,7 @@ static void fill_run(const struct run *run, uint32_t *restrict entry)
     }
 }
 
-static void enter_runs(void *context, size_t begin, size_t end, unsigned worker)
+static void enter_runs(void *context, size_t begin, size_t end, unsigned)
 {
     const struct blocking *b = context;
     for (size_t n = begin; n < end; n++) {

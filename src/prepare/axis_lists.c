@@ -22,26 +22,10 @@ void axis_lists_release(struct axis_lists *lists)
     *lists = (struct axis_lists){ 0 };
 }
 
-static double component(struct vec3 v, unsigned axis)
-{
-    return axis == 0 ? v.x : axis == 1 ? v.y : v.z;
-}
-
 unsigned axis_dominant(struct vec3 v)
 {
     double x = fabs(v.x), y = fabs(v.y), z = fabs(v.z);
     return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
-}
-
-double axis_weight(const struct axis_lists *lists, const struct axis_walk *walk, struct vec3 v)
-{
-    double most = fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
-    double own = component(v, walk->axis) * (walk->backwards ? -1 : 1) / most;
-    if (lists->merge == STP_AXIS_SINGLE || lists->merge == STP_AXIS_SORT)
-        return 1;
-    if (lists->merge == STP_AXIS_CLIP)
-        return axis_dominant(v) == walk->axis && own > 0 ? 1 : 0;
-    return own > lists->h ? (own - lists->h) / (1 - lists->h) : 0;
 }
 
 /* Bits of a double that order as the numbers do. */
@@ -169,7 +153,7 @@ static void fill_walk(const struct filling *f, const struct axis_walk *walk)
     }
 }
 
-static void fill_range(void *context, size_t begin, size_t end, unsigned worker)
+static void fill_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct filling *f = context;
     for (size_t w = begin; w < end; w++)
@@ -185,7 +169,7 @@ struct keying {
     uint64_t *key;
 };
 
-static void key_range(void *context, size_t begin, size_t end, unsigned worker)
+static void key_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct keying *k = context;
     const struct stp_camera *camera = k->view.camera;
@@ -275,16 +259,5 @@ enum stp_result axis_lists_update(const struct stp_env *env, const struct stp_sc
     }
     if (result != STP_OK)
         axis_lists_release(lists);
-    return result;
-}
-
-enum stp_result axis_lists_build(const struct stp_env *env, const struct stp_scene *scene,
-                                 const struct stp_camera *camera, enum stp_axis_merge merge,
-                                 double h, struct axis_lists *lists)
-{
-    struct axis_lists made = { .merge = merge, .h = h };
-    enum stp_result result = axis_lists_update(env, scene, camera, &made);
-    if (result == STP_OK)
-        *lists = made;
     return result;
 }

@@ -63,19 +63,12 @@ struct axis_lists {
 #define AXIS_BLOCK_WIDTH  4
 #define AXIS_BLOCK_HEIGHT 4
 
-/* The weight of a walk on a ray of world direction v (HM 5.2): (v_axis / max - h) / (1 - h), or 0.
- * Clip: 1 where it is the dominant one, the first of equal ones. */
-double axis_weight(const struct axis_lists *lists, const struct axis_walk *walk, struct vec3 v);
-
-/* h is in [0, 1). A kernel is in a walk's list when it has a
- * fragment at a pixel on which the walk has a weight; lists without kernels are left out. single:
- * one walk along the axis nearest to the view's; sort: one list, by distance from the eye
- * (orthographic: by depth). Release with axis_lists_release. */
-enum stp_result axis_lists_build(const struct stp_env *env, const struct stp_scene *scene,
-                                 const struct stp_camera *camera, enum stp_axis_merge merge,
-                                 double h, struct axis_lists *lists);
-/* The same for another view, and all that a changed camera takes: what does not depend on the view,
- * and memory, are kept. merge, h and look are those of the lists. On failure they are empty. */
+/* The lists of a view. A kernel is in a walk's list when it has a fragment at a pixel on which the
+ * walk has a weight (HM 5.2); lists without kernels are left out. Of merge single there is one walk
+ * along the axis nearest to the view's; of sort one list, by distance from the eye (orthographic:
+ * by depth). Begin with lists that are 0 but for merge and h, which is in [0, 1); from then on a
+ * changed camera is all they take: what does not depend on the view, and memory, are kept. On
+ * failure they are empty. Release with axis_lists_release. */
 enum stp_result axis_lists_update(const struct stp_env *env, const struct stp_scene *scene,
                                   const struct stp_camera *camera, struct axis_lists *lists);
 void axis_lists_release(struct axis_lists *lists);

@@ -136,9 +136,7 @@ static void shape_of_ellipsoid(struct axis_view *view, const float axes[3][3])
     double volume = v3_dot(axis[0], v3_cross(axis[1], axis[2]));
     for (int n = 0; n < 3; n++) {
         struct vec3 w = v3_scale(v3_cross(axis[(n + 1) % 3], axis[(n + 2) % 3]), 1 / volume);
-        view->white[n][0] = w.x;
-        view->white[n][1] = w.y;
-        view->white[n][2] = w.z;
+        v3_store(w, view->white[n]);
         for (int row = 0; row < 3; row++)
             view->reach[row][n] = KERNEL_REACH * v3_dot(v3_load(m + 4 * row), axis[n]);
     }

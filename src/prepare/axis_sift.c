@@ -33,7 +33,7 @@ static bool holds_block(const struct axis_region *region, const struct axis_rect
            axis_region_holds(region, x0, y1) && axis_region_holds(region, x1, y1);
 }
 
-static void open_range(void *context, size_t begin, size_t end, unsigned worker)
+static void open_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct sifting *s = context;
     for (size_t i = begin; i < end; i++) {
@@ -122,7 +122,7 @@ static unsigned sift(const struct sifting *s, size_t i, struct axis_span *span)
     return walks_of(s, &r, &kernel, axis_tau(&s->view, (uint32_t)i));
 }
 
-static void sift_range(void *context, size_t begin, size_t end, unsigned worker)
+static void sift_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct sifting *s = context;
     size_t masks[1 << AXIS_WALKS] = { 0 };

@@ -70,7 +70,7 @@ struct sum_job {
     double (*sum)[SUM_WIDTH]; /* a block */
 };
 
-static void sum_range(void *context, size_t begin, size_t end, unsigned worker)
+static void sum_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct sum_job *job = context;
     job->fn(job->context, begin, end, job->sum[begin / BLOCK]);

@@ -41,9 +41,7 @@ static void clean_normal(float normal[3])
     if (usable && fabs(length - 1) < 2e-7)
         return;
     n = usable ? v3_scale(n, 1 / length) : v3(0, 0, 0);
-    normal[0] = (float)n.x;
-    normal[1] = (float)n.y;
-    normal[2] = (float)n.z;
+    v3_storef(n, normal);
 }
 
 static void clean_color(float color[3])

@@ -83,7 +83,7 @@ static struct box node_bounds(const struct block_node *node)
     return box;
 }
 
-static void fill_nodes(void *context, size_t begin, size_t end, unsigned worker)
+static void fill_nodes(void *context, size_t begin, size_t end, unsigned)
 {
     struct fill *f = context;
     const struct block_tree *t = f->tree;
@@ -295,7 +295,7 @@ static bool is_crowded(const struct crowd *c, size_t lane)
     return before >= c->limit;
 }
 
-static void mark_crowded(void *context, size_t begin, size_t end, unsigned worker)
+static void mark_crowded(void *context, size_t begin, size_t end, unsigned)
 {
     struct crowd *c = context;
     for (size_t lane = begin; lane < end; lane++)

@@ -151,7 +151,7 @@ static void build_range(struct building *b, size_t low, size_t high)
     }
 }
 
-static void build_groups(void *context, size_t begin, size_t end, unsigned worker)
+static void build_groups(void *context, size_t begin, size_t end, unsigned)
 {
     struct building *b = context;
     for (size_t k = begin; k < end; k++)
@@ -237,7 +237,7 @@ static void cut(struct walk *w, struct job j, unsigned levels)
     cut(w, high, levels - 1);
 }
 
-static void run_jobs(void *context, size_t begin, size_t end, unsigned worker)
+static void run_jobs(void *context, size_t begin, size_t end, unsigned)
 {
     const struct walk *w = context;
     for (size_t i = begin; i < end; i++)

@@ -179,7 +179,7 @@ struct duplicating {
     atomic_bool no_memory;
 };
 
-static void duplicate_groups(void *context, size_t begin, size_t end, unsigned worker)
+static void duplicate_groups(void *context, size_t begin, size_t end, unsigned)
 {
     struct duplicating *d = context;
     size_t n = d->cover->splats->count;

@@ -139,7 +139,7 @@ static void fill_row(struct filling *f, size_t i, uint32_t *mask)
     }
 }
 
-static void fill_pools(void *context, size_t begin, size_t end, unsigned worker)
+static void fill_pools(void *context, size_t begin, size_t end, unsigned)
 {
     struct filling *f = context;
     const struct overlap_graph *graph = &f->cover->graph;
@@ -217,7 +217,7 @@ static void measure_splat(const struct measuring *m, size_t i, struct measure_su
     sums->points += COVER_POINTS;
 }
 
-static void measure_blocks(void *context, size_t begin, size_t end, unsigned worker)
+static void measure_blocks(void *context, size_t begin, size_t end, unsigned)
 {
     const struct measuring *m = context;
     for (size_t b = begin; b < end; b++) {

@@ -42,7 +42,7 @@ bool splats_equal(const struct splats *s, size_t i, size_t j)
 }
 
 /* The canonical order has put equals side by side. */
-static void mark_duplicates(void *context, size_t begin, size_t end, unsigned worker)
+static void mark_duplicates(void *context, size_t begin, size_t end, unsigned)
 {
     struct grouping *g = context;
     for (size_t i = begin; i < end; i++)

@@ -112,7 +112,7 @@ static void shrink_texel(const struct shrinking *s, uint32_t x, uint32_t y)
         out->texel[(size_t)y * out->width + x][k] = (float)(sum[k] / angle);
 }
 
-static void shrink_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void shrink_rows(void *context, size_t begin, size_t end, unsigned)
 {
     const struct shrinking *s = context;
     for (size_t y = begin; y < end; y++)

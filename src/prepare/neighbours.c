@@ -48,7 +48,7 @@ static void box_of_node(const struct neighbour_tree *t, unsigned level, size_t n
     }
 }
 
-static void fill_level(void *context, size_t begin, size_t end, unsigned worker)
+static void fill_level(void *context, size_t begin, size_t end, unsigned)
 {
     const struct build *b = context;
     const struct neighbour_tree *t = b->tree;

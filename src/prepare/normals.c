@@ -61,14 +61,12 @@ static struct vec3 mended_normal(const struct mend *m, size_t i)
     return v3_dot(plane, nearest) < 0 ? v3_scale(plane, -1) : plane;
 }
 
-static void mend_range(void *context, size_t begin, size_t end, unsigned worker)
+static void mend_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct mend *m = context;
     for (size_t i = begin; i < end; i++) {
         struct vec3 n = mended_normal(m, m->bad[i]);
-        m->normal[i][0] = (float)n.x;
-        m->normal[i][1] = (float)n.y;
-        m->normal[i][2] = (float)n.z;
+        v3_storef(n, m->normal[i]);
     }
 }
 

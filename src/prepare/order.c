@@ -130,14 +130,14 @@ uint64_t order_code(const double p[3], const struct bounds *box)
     return has_cells(extent) ? morton_code(p, box->low, 2097152.0 / extent) : 0;
 }
 
-static void morton_keys(void *context, size_t begin, size_t end, unsigned worker)
+static void morton_keys(void *context, size_t begin, size_t end, unsigned)
 {
     const struct keys *k = context;
     for (size_t i = begin; i < end; i++)
         k->key[i] = morton_code(k->splats->position[k->order[i]], k->low, k->scale);
 }
 
-static void word_keys(void *context, size_t begin, size_t end, unsigned worker)
+static void word_keys(void *context, size_t begin, size_t end, unsigned)
 {
     const struct keys *k = context;
     const unsigned words = words_of(k->splats);
@@ -219,7 +219,7 @@ struct gather {
     size_t size;
 };
 
-static void gather_range(void *context, size_t begin, size_t end, unsigned worker)
+static void gather_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct gather *g = context;
     switch (g->size) {

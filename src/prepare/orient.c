@@ -57,7 +57,7 @@ static unsigned weight_of(const struct surface *s, size_t i, uint32_t j)
 }
 
 /* Counts, and the second time places. */
-static void edge_range(void *context, size_t begin, size_t end, unsigned worker)
+static void edge_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct edges *e = context;
     size_t *bins = e->bins[begin / e->block];

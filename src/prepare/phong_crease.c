@@ -139,9 +139,7 @@ static void sharpen(const struct site *site, const struct fit_plane *own, double
         plane = v3_scale(plane, -1);
     }
     struct vec3 sharp = dot >= least ? given : plane;
-    n[0] = (float)sharp.x;
-    n[1] = (float)sharp.y;
-    n[2] = (float)sharp.z;
+    v3_storef(sharp, n);
 }
 
 struct finding {
@@ -197,7 +195,7 @@ static bool normals_turn(const struct fit_cloud *cloud, size_t begin, size_t mid
     return false;
 }
 
-static void run_range(void *context, size_t begin, size_t end, unsigned worker)
+static void run_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct crease_job *job = context;
     for (size_t i = begin; i < end; i++) {
@@ -210,7 +208,7 @@ static void run_range(void *context, size_t begin, size_t end, unsigned worker)
     }
 }
 
-static void study_range(void *context, size_t begin, size_t end, unsigned worker)
+static void study_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct crease_job *job = context;
     for (size_t i = begin; i < end; i++)
@@ -236,7 +234,7 @@ static uint32_t lent_crease(const struct fit_cloud *cloud, size_t i)
     return found >= 2 ? lent : NO_SITE;
 }
 
-static void lend_range(void *context, size_t begin, size_t end, unsigned worker)
+static void lend_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct crease_job *job = context;
     for (size_t i = begin; i < end; i++)
@@ -244,7 +242,7 @@ static void lend_range(void *context, size_t begin, size_t end, unsigned worker)
 }
 
 /* Neighbours across an edge part. */
-static void cut_range(void *context, size_t begin, size_t end, unsigned worker)
+static void cut_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct fit_cloud *cloud = ((struct crease_job *)context)->cloud;
     for (size_t i = begin; i < end; i++)

@@ -185,7 +185,7 @@ static void close_corner(struct gaps *g, const struct around *all, struct vec3 p
         grow_to(g, all->splat[best], wanted);
 }
 
-static void close_range(void *context, size_t begin, size_t end, unsigned worker)
+static void close_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct gaps *g = context;
     struct around all;

@@ -160,7 +160,7 @@ static void add_normal(const struct joint *j, const struct face *f, uint32_t sit
 }
 
 /* The sums of what the splats show at first. */
-static void add_range(void *context, size_t begin, size_t end, unsigned worker)
+static void add_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct joint *j = context;
     for (size_t i = begin; i < end; i++) {

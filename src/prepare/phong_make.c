@@ -14,13 +14,6 @@ void splat_frame(const float normal[3], const float u[3], struct patch_frame *fr
     frame->v = v3_cross(frame->n, frame->u);
 }
 
-static void store(float out[3], struct vec3 v)
-{
-    out[0] = (float)v.x;
-    out[1] = (float)v.y;
-    out[2] = (float)v.z;
-}
-
 /* Never below x. */
 static float round_up(double x)
 {
@@ -128,8 +121,8 @@ void splat_make(const struct splat_maker *m, size_t at)
         return;
     }
     inherit(m, cloud->first[p->seed], at);
-    store(out->normal[at], f.n);
-    store(phong.u, f.u);
+    v3_storef(f.n, out->normal[at]);
+    v3_storef(f.u, phong.u);
     splat_frame(out->normal[at], phong.u, &f);
     patch_outline(cloud, p, &f, m->tolerance, m->point, &o);
     struct vec3 c = v3_add(f.c, v3_add(v3_scale(f.u, o.center[0]), v3_scale(f.v, o.center[1])));

@@ -66,7 +66,7 @@ static void claim(_Atomic uint32_t *nearest, float distance)
         ;
 }
 
-static void claim_range(void *context, size_t begin, size_t end, unsigned worker)
+static void claim_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct sharing *s = context;
     for (size_t i = begin; i < end; i++) {
@@ -133,7 +133,7 @@ static void keep_nearest(const struct sharing *s, struct patch *p)
     refit(s, p);
 }
 
-static void keep_range(void *context, size_t begin, size_t end, unsigned worker)
+static void keep_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct sharing *s = context;
     for (size_t i = begin; i < end; i++)

@@ -47,7 +47,7 @@ static void compare_signs(const struct sites_build *b, size_t place, const struc
     }
 }
 
-static void nearest_range(void *context, size_t begin, size_t end, unsigned worker)
+static void nearest_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct sites_build *b = context;
     for (size_t i = begin; i < end; i++) {
@@ -171,7 +171,7 @@ static float spacing_of(const struct sites_build *b, size_t place)
     return (float)far;
 }
 
-static void fill_range(void *context, size_t begin, size_t end, unsigned worker)
+static void fill_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct sites_build *b = context;
     struct fit_cloud *cloud = b->cloud;

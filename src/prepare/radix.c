@@ -24,7 +24,7 @@ struct sort {
     uint64_t *varying;      /* a block: the bits in which some key differs from the first */
 };
 
-static void find_varying(void *context, size_t begin, size_t end, unsigned worker)
+static void find_varying(void *context, size_t begin, size_t end, unsigned)
 {
     struct sort *s = context;
     uint64_t first = s->from.key[0], bits = 0;
@@ -33,7 +33,7 @@ static void find_varying(void *context, size_t begin, size_t end, unsigned worke
     s->varying[begin / s->block] = bits;
 }
 
-static void count_digits(void *context, size_t begin, size_t end, unsigned worker)
+static void count_digits(void *context, size_t begin, size_t end, unsigned)
 {
     struct sort *s = context;
     uint32_t *bins = s->bins[begin / s->block];
@@ -42,7 +42,7 @@ static void count_digits(void *context, size_t begin, size_t end, unsigned worke
         bins[s->from.key[i] >> s->shift & (BINS - 1)]++;
 }
 
-static void scatter(void *context, size_t begin, size_t end, unsigned worker)
+static void scatter(void *context, size_t begin, size_t end, unsigned)
 {
     struct sort *s = context;
     uint32_t *next = s->bins[begin / s->block];

@@ -51,9 +51,7 @@ static void store(const struct filling *f, size_t to, unsigned frame, size_t ind
                   const struct range_pixel *p)
 {
     struct kernels *k = f->kernels;
-    k->place[to][0] = p->place.x;
-    k->place[to][1] = p->place.y;
-    k->place[to][2] = p->place.z;
+    v3_store(p->place, k->place[to]);
     set_axis(p->across, RANGE_SIGMA, k->axes[to][0]);
     set_axis(p->down, RANGE_SIGMA, k->axes[to][1]);
     set_axis(p->along, 1, k->axes[to][2]);
@@ -83,7 +81,7 @@ static void visit_row(const struct filling *f, size_t row)
         f->first[row] = kept;
 }
 
-static void visit_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void visit_rows(void *context, size_t begin, size_t end, unsigned)
 {
     for (size_t row = begin; row < end; row++)
         visit_row(context, row);

@@ -104,7 +104,7 @@ static void color_at(const struct range_frame *f, const double at[2], float colo
     }
 }
 
-static void see_range(void *context, size_t begin, size_t end, unsigned worker)
+static void see_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct seeing *s = context;
     struct kernels *k = s->kernels;

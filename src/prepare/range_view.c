@@ -57,7 +57,5 @@ void range_color(const struct volume *volume, const struct range_view *view, siz
         weights += w;
     }
     sum = k->source_color ? v3_scale(sum, 1 / weights) : v3_loadf(k->color[i]);
-    color[0] = sum.x;
-    color[1] = sum.y;
-    color[2] = sum.z;
+    v3_store(sum, color);
 }

@@ -90,7 +90,7 @@ static enum stp_result measure(const struct stp_env *env, struct measuring *m,
     return STP_OK;
 }
 
-static enum stp_result measure_block(const struct stp_env *env, void *context, size_t first,
+static enum stp_result measure_block(const struct stp_env *env, void *context, size_t,
                                      struct cloud *cloud)
 {
     struct measuring *m = context;
@@ -117,7 +117,7 @@ static void begin_measuring(struct measuring *m)
 
 /* --- second and third: the median radius, cells, and the rows' chunks ------------------------- */
 
-static enum stp_result count_block(const struct stp_env *env, void *context, size_t first,
+static enum stp_result count_block(const struct stp_env *env, void *context, size_t,
                                    struct cloud *cloud)
 {
     struct measuring *m = context;

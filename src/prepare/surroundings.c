@@ -109,7 +109,7 @@ struct find {
     size_t first;
 };
 
-static void find_range(void *context, size_t begin, size_t end, unsigned worker)
+static void find_range(void *context, size_t begin, size_t end, unsigned)
 {
     const struct find *f = context;
     for (size_t i = f->first + begin; i < f->first + end; i++) {

@@ -113,7 +113,7 @@ static void classify_slice(const struct classify *c, size_t slice)
     }
 }
 
-static void classify_slices(void *context, size_t begin, size_t end, unsigned worker)
+static void classify_slices(void *context, size_t begin, size_t end, unsigned)
 {
     for (size_t slice = begin; slice < end; slice++)
         classify_slice(context, slice);

@@ -28,18 +28,11 @@ enum stp_result record_order(const struct stp_env *env, struct record_frame *fra
     size_t members = scene->cover.first[scene->cover.groups];
     double eye[4];
     eye_of(&plan->camera, scene->splats.origin, eye);
-    if (buffer->mapped && buffer->coherent) {
-        bsp_order(env, &scene->cover, eye, buffer->mapped);
-        return STP_OK;
-    }
-    uint32_t *order = mem_alloc(members, sizeof *order);
+    uint32_t *order = gpu_fill_begin(env, buffer, members, sizeof *order, "the order of splats");
     if (!order)
-        return log_no_memory(env, members * sizeof *order, "the order of splats");
+        return STP_ERROR_MEMORY;
     bsp_order(env, &scene->cover, eye, order);
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, order, members * sizeof *order);
-    mem_free(order);
-    return result;
+    return gpu_fill_end(env, frame->context, buffer, order, members * sizeof *order);
 }
 
 /* Behind the members that a frame orders: splats by their first groups, in canonical order. */

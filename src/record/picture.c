@@ -5,7 +5,7 @@
 
 #include "base/log.h"
 #include "base/vec.h"
-#include "reference/samples.h"
+#include "scene/samples.h"
 #include "scene/scene.h"
 
 static enum stp_result add_planes(const struct stp_env *env, struct stp_image *image,

@@ -133,7 +133,7 @@ static enum stp_result make_one(const struct stp_env *env, const struct making *
 
 /* Drivers compile well side by side. Workers stay silent: what fails is tried again by the
  * caller's thread, which may log. */
-static void make_range(void *context, size_t begin, size_t end, unsigned worker)
+static void make_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct making *m = context;
     const struct stp_env silent = { .log = log_nothing };

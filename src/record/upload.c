@@ -2,8 +2,6 @@
 
 #include <string.h>
 
-#include "base/log.h"
-#include "base/memory.h"
 #include "base/thread.h"
 #include "prepare/axis_region.h"
 #include "prepare/environment.h"
@@ -21,7 +19,7 @@ struct packing {
 };
 
 /* Two vectors a splat: position relative to the origin and radius; normal and tag. */
-static void pack(void *context, size_t begin, size_t end, unsigned worker)
+static void pack(void *context, size_t begin, size_t end, unsigned)
 {
     const struct packing *p = context;
     const struct splats *s = p->splats;
@@ -44,17 +42,12 @@ static enum stp_result upload_splats(const struct stp_env *env, struct record_fr
                                      const struct splats *splats, struct gpu_buffer *buffer)
 {
     struct packing packing = { splats, NULL };
-    bool direct = buffer->mapped && buffer->coherent;
-    packing.out = direct ? buffer->mapped : mem_alloc(splats->count, 32);
+    packing.out = gpu_fill_begin(env, buffer, splats->count, sizeof *packing.out, "splats");
     if (!packing.out)
-        return log_no_memory(env, splats->count * 32, "staging of splats");
+        return STP_ERROR_MEMORY;
     parallel_for(env, splats->count, 16384, pack, &packing);
-    if (direct)
-        return STP_OK;
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, packing.out, splats->count * 32);
-    mem_free(packing.out);
-    return result;
+    return gpu_fill_end(env, frame->context, buffer, packing.out,
+                        splats->count * sizeof *packing.out);
 }
 
 struct kernel_packing {
@@ -63,7 +56,7 @@ struct kernel_packing {
 };
 
 /* Two vectors a kernel: centre relative to the origin and tau; colour and normal. */
-static void pack_kernels(void *context, size_t begin, size_t end, unsigned worker)
+static void pack_kernels(void *context, size_t begin, size_t end, unsigned)
 {
     const struct kernel_packing *p = context;
     const struct kernels *k = &p->scene->volume->kernels;
@@ -89,38 +82,32 @@ static enum stp_result upload_kernels(const struct stp_env *env, struct record_f
 {
     size_t count = scene->volume->kernels.count;
     struct kernel_packing packing = { scene, NULL };
-    bool direct = buffer->mapped && buffer->coherent;
-    packing.out = direct ? buffer->mapped : mem_alloc(count, 32);
+    packing.out = gpu_fill_begin(env, buffer, count, sizeof *packing.out, "kernels");
     if (!packing.out)
-        return log_no_memory(env, count * 32, "staging of kernels");
+        return STP_ERROR_MEMORY;
     parallel_for(env, count, 16384, pack_kernels, &packing);
-    if (direct)
-        return STP_OK;
-    enum stp_result result = gpu_upload(env, frame->context, buffer, packing.out, count * 32);
-    mem_free(packing.out);
-    return result;
+    return gpu_fill_end(env, frame->context, buffer, packing.out, count * sizeof *packing.out);
 }
 
 static enum stp_result upload_materials(const struct stp_env *env, struct record_frame *frame,
                                         const struct stp_scene *scene, struct gpu_buffer *buffer)
 {
-    struct stp_material_gpu *out = mem_alloc(scene->object_count, sizeof *out);
+    struct stp_material_gpu *out =
+        gpu_fill_begin(env, buffer, scene->object_count, sizeof *out, "materials");
     if (!out)
-        return log_no_memory(env, scene->object_count * sizeof *out, "materials");
+        return STP_ERROR_MEMORY;
     for (unsigned i = 0; i < scene->object_count; i++)
         out[i] = plan_material(frame->plan, &scene->objects[i]);
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, out, scene->object_count * sizeof *out);
-    mem_free(out);
-    return result;
+    return gpu_fill_end(env, frame->context, buffer, out, scene->object_count * sizeof *out);
 }
 
 static enum stp_result upload_optics(const struct stp_env *env, struct record_frame *frame,
                                      const struct stp_scene *scene, struct gpu_buffer *buffer)
 {
-    struct stp_optics_gpu *out = mem_alloc(scene->object_count, sizeof *out);
+    struct stp_optics_gpu *out =
+        gpu_fill_begin(env, buffer, scene->object_count, sizeof *out, "optics");
     if (!out)
-        return log_no_memory(env, scene->object_count * sizeof *out, "optics");
+        return STP_ERROR_MEMORY;
     for (unsigned i = 0; i < scene->object_count; i++) {
         const struct stp_optics *o = &scene->objects[i].optics;
         out[i].level =
@@ -131,10 +118,7 @@ static enum stp_result upload_optics(const struct stp_env *env, struct record_fr
             out[i].absorption[k] = o->absorption[k] * o->thickness;
         }
     }
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, out, scene->object_count * sizeof *out);
-    mem_free(out);
-    return result;
+    return gpu_fill_end(env, frame->context, buffer, out, scene->object_count * sizeof *out);
 }
 
 static enum stp_result upload_order(const struct stp_env *env, struct record_frame *frame,
@@ -142,15 +126,13 @@ static enum stp_result upload_order(const struct stp_env *env, struct record_fra
 {
     uint32_t next[STP_MAX_GROUPS];
     memcpy(next, frame->plan->group_first, sizeof next);
-    uint32_t *order = mem_alloc(splats->count, sizeof *order);
+    uint32_t *order =
+        gpu_fill_begin(env, buffer, splats->count, sizeof *order, "the order of groups");
     if (!order)
-        return log_no_memory(env, splats->count * sizeof *order, "the order of groups");
+        return STP_ERROR_MEMORY;
     for (size_t i = 0; i < splats->count; i++)
         order[next[splats->group[i]]++] = (uint32_t)i;
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, order, splats->count * sizeof *order);
-    mem_free(order);
-    return result;
+    return gpu_fill_end(env, frame->context, buffer, order, splats->count * sizeof *order);
 }
 
 enum stp_result record_upload(const struct stp_env *env, struct record_frame *frame,

@@ -1,8 +1,6 @@
 /* Clusters of points, for the device to cull (glsl/lib/clusters.glsl). */
 #include <math.h>
 
-#include "base/log.h"
-#include "base/memory.h"
 #include "base/thread.h"
 #include "base/vec.h"
 #include "record/record.h"
@@ -41,9 +39,7 @@ static void enclose(const struct splats *s, size_t first, size_t end, struct clu
     center = v3_scale(v3_add(low, high), 0.5);
     for (size_t i = first; i < end; i++)
         radius = fmax(radius, v3_length(v3_sub(place_of(s, i), center)));
-    out->center[0] = (float)center.x;
-    out->center[1] = (float)center.y;
-    out->center[2] = (float)center.z;
+    v3_storef(center, out->center);
     out->radius = (float)radius;
 }
 
@@ -69,7 +65,7 @@ static float largest_radius(const struct splats *s, size_t first, size_t end)
     return largest;
 }
 
-static void make_clusters(void *context, size_t begin, size_t end, unsigned worker)
+static void make_clusters(void *context, size_t begin, size_t end, unsigned)
 {
     const struct clusters *c = context;
     for (size_t i = begin; i < end; i++) {
@@ -87,12 +83,10 @@ enum stp_result record_upload_clusters(const struct stp_env *env, struct record_
                                        struct gpu_buffer *buffer)
 {
     size_t clusters = (count + STP_CLUSTER - 1) / STP_CLUSTER;
-    struct clusters c = { splats, first, count, mem_alloc(clusters, sizeof *c.out) };
+    struct clusters c = { splats, first, count, NULL };
+    c.out = gpu_fill_begin(env, buffer, clusters, sizeof *c.out, "clusters of points");
     if (!c.out)
-        return log_no_memory(env, clusters * sizeof *c.out, "clusters of points");
+        return STP_ERROR_MEMORY;
     parallel_for(env, clusters, 1024, make_clusters, &c);
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, c.out, clusters * sizeof *c.out);
-    mem_free(c.out);
-    return result;
+    return gpu_fill_end(env, frame->context, buffer, c.out, clusters * sizeof *c.out);
 }

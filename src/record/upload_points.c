@@ -1,8 +1,6 @@
 /* Points, and what goes with them, to the device: all at once, or chunk by chunk. */
 #include <math.h>
 
-#include "base/log.h"
-#include "base/memory.h"
 #include "base/thread.h"
 #include "prepare/stream.h"
 #include "record/record.h"
@@ -33,7 +31,7 @@ struct packing {
     void *out;
 };
 
-static void pack_points(void *context, size_t begin, size_t end, unsigned worker)
+static void pack_points(void *context, size_t begin, size_t end, unsigned)
 {
     const struct packing *p = context;
     const struct splats *s = p->splats;
@@ -46,7 +44,7 @@ static void pack_points(void *context, size_t begin, size_t end, unsigned worker
     }
 }
 
-static void pack_objects(void *context, size_t begin, size_t end, unsigned worker)
+static void pack_objects(void *context, size_t begin, size_t end, unsigned)
 {
     const struct packing *p = context;
     uint32_t *out = p->out;
@@ -54,21 +52,15 @@ static void pack_objects(void *context, size_t begin, size_t end, unsigned worke
         out[i] = p->splats->object ? p->splats->object[p->first + i] : 0;
 }
 
-/* Where the host sees the device's memory nothing is staged. */
 static enum stp_result upload_packed(const struct stp_env *env, struct record_frame *frame,
                                      struct packing *packing, range_fn pack, size_t count,
                                      size_t size, struct gpu_buffer *buffer)
 {
-    bool direct = buffer->mapped && buffer->coherent;
-    packing->out = direct ? buffer->mapped : mem_alloc(count, size);
+    packing->out = gpu_fill_begin(env, buffer, count, size, "points");
     if (!packing->out)
-        return log_no_memory(env, count * size, "staging of points");
+        return STP_ERROR_MEMORY;
     parallel_for(env, count, 16384, pack, packing);
-    if (direct)
-        return STP_OK;
-    enum stp_result result = gpu_upload(env, frame->context, buffer, packing->out, count * size);
-    mem_free(packing->out);
-    return result;
+    return gpu_fill_end(env, frame->context, buffer, packing->out, count * size);
 }
 
 bool record_upload_points(const struct stp_env *env, struct record_frame *frame,

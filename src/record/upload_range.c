@@ -1,8 +1,6 @@
 /* Ellipsoids of range images, as the view weights and colours them. */
 #include <string.h>
 
-#include "base/log.h"
-#include "base/memory.h"
 #include "base/thread.h"
 #include "prepare/range.h"
 #include "record/record.h"
@@ -15,7 +13,7 @@ struct packing {
 };
 
 /* Centre relative to the origin and tau; colour; three axes, one after the other. */
-static void pack(void *context, size_t begin, size_t end, unsigned worker)
+static void pack(void *context, size_t begin, size_t end, unsigned)
 {
     const struct packing *p = context;
     const struct volume *volume = p->scene->volume;
@@ -39,15 +37,9 @@ enum stp_result upload_ellipsoids(const struct stp_env *env, struct record_frame
 {
     size_t count = scene->volume->kernels.count;
     struct packing packing = { scene, range_view_of(&frame->plan->camera), NULL };
-    bool direct = buffer->mapped && buffer->coherent;
-    packing.out = direct ? buffer->mapped : mem_alloc(count, sizeof *packing.out);
+    packing.out = gpu_fill_begin(env, buffer, count, sizeof *packing.out, "ellipsoids");
     if (!packing.out)
-        return log_no_memory(env, count * sizeof *packing.out, "staging of ellipsoids");
+        return STP_ERROR_MEMORY;
     parallel_for(env, count, 16384, pack, &packing);
-    if (direct)
-        return STP_OK;
-    enum stp_result result =
-        gpu_upload(env, frame->context, buffer, packing.out, count * sizeof *packing.out);
-    mem_free(packing.out);
-    return result;
+    return gpu_fill_end(env, frame->context, buffer, packing.out, count * sizeof *packing.out);
 }

@@ -44,7 +44,7 @@ static void bin_splat(const struct binning *binning, size_t block, uint32_t id)
         }
 }
 
-static void bin_blocks(void *context, size_t begin, size_t end, unsigned worker)
+static void bin_blocks(void *context, size_t begin, size_t end, unsigned)
 {
     const struct binning *binning = context;
     size_t count = binning->view->scene->splats.count, length = (count + BLOCKS - 1) / BLOCKS;

@@ -63,7 +63,7 @@ static void finish_pixel(const struct finish *finish, uint32_t x, uint32_t y)
     color[3][at] = (float)((double)color[3][at] + left);
 }
 
-static void finish_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void finish_rows(void *context, size_t begin, size_t end, unsigned)
 {
     const struct finish *finish = context;
     for (size_t y = begin; y < end; y++)

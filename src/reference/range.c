@@ -85,12 +85,10 @@ static void look(const struct medium *medium, size_t i, double *tau, double colo
     }
     sum = k->source_color ? v3_scale(sum, 1 / colors) : v3_loadf(k->color[i]);
     *tau = (double)k->tau[i] * own / all;
-    color[0] = sum.x;
-    color[1] = sum.y;
-    color[2] = sum.z;
+    v3_store(sum, color);
 }
 
-static void look_range(void *context, size_t begin, size_t end, unsigned worker)
+static void look_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct medium *medium = context;
     for (size_t i = begin; i < end; i++)

@@ -4,7 +4,7 @@
 #include "base/memory.h"
 #include "base/thread.h"
 #include "reference/gaussians.h"
-#include "reference/samples.h"
+#include "scene/samples.h"
 #include "reference/tile.h"
 #include "reference/volume.h"
 #include "scene/camera.h"

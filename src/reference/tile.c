@@ -1,7 +1,7 @@
 #include "reference/tile.h"
 
 #include "reference/gaussians.h"
-#include "reference/samples.h"
+#include "scene/samples.h"
 
 static size_t index_of(const struct tile *tile, uint32_t x, uint32_t y)
 {

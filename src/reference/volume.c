@@ -7,7 +7,7 @@
 #include "base/memory.h"
 #include "base/thread.h"
 #include "reference/bins.h"
-#include "reference/samples.h"
+#include "scene/samples.h"
 
 #define PIXELS (VOLUME_TILE * VOLUME_TILE)
 

@@ -32,7 +32,7 @@ static void bin_kernel(const struct binning *b, size_t block, uint32_t kernel)
         }
 }
 
-static void bin_blocks(void *context, size_t begin, size_t end, unsigned worker)
+static void bin_blocks(void *context, size_t begin, size_t end, unsigned)
 {
     const struct binning *b = context;
     size_t count = b->medium->volume->kernels.count, length = (count + BLOCKS - 1) / BLOCKS;

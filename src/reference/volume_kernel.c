@@ -43,7 +43,7 @@ struct vec3 medium_centre(const struct medium *medium, uint32_t kernel)
     return eye_point(&medium->view->eye, world);
 }
 
-static void shade_range(void *context, size_t begin, size_t end, unsigned worker)
+static void shade_range(void *context, size_t begin, size_t end, unsigned)
 {
     struct medium *medium = context;
     const struct kernels *k = &medium->volume->kernels;
@@ -58,9 +58,7 @@ static void shade_range(void *context, size_t begin, size_t end, unsigned worker
             struct surface lit = { .normal = n, .point = point, .albedo = albedo };
             c = surface_shade(medium->view, &lit);
         }
-        medium->shaded[i][0] = c.x;
-        medium->shaded[i][1] = c.y;
-        medium->shaded[i][2] = c.z;
+        v3_store(c, medium->shaded[i]);
     }
 }
 

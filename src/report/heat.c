@@ -65,7 +65,7 @@ static float cell(const struct measuring *m, uint32_t x, uint32_t y)
     return count ? (float)(sum / count) : -1;
 }
 
-static void measure_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void measure_rows(void *context, size_t begin, size_t end, unsigned)
 {
     const struct measuring *m = context;
     for (size_t y = begin; y < end; y++)

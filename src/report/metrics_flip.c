@@ -156,7 +156,7 @@ static uint32_t clamped(int64_t i, uint32_t size)
     return i < 0 ? 0 : i >= size ? size - 1 : (uint32_t)i;
 }
 
-static void convolve_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void convolve_rows(void *context, size_t begin, size_t end, unsigned)
 {
     const struct convolution *c = context;
     int radius = c->kernel->radius;
@@ -266,7 +266,7 @@ static double flip_pixel(const struct flip *flip, size_t i, double largest)
     return pow(colors, 1 - features);
 }
 
-static void sum_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void sum_rows(void *context, size_t begin, size_t end, unsigned)
 {
     const struct flip *flip = context;
     double largest = largest_difference();

@@ -17,19 +17,12 @@ bool phong_is_disc(const struct stp_phong_splat *phong)
     return phong->u[0] == 0 && phong->u[1] == 0 && phong->u[2] == 0;
 }
 
-static void store(struct vec3 v, float out[3])
-{
-    out[0] = (float)v.x;
-    out[1] = (float)v.y;
-    out[2] = (float)v.z;
-}
-
 struct stp_phong_splat phong_of_disc(const float normal[3], float radius)
 {
     struct stp_phong_splat made = { .radius = { radius, radius } };
     struct vec3 n = v3_loadf(normal);
     struct vec3 across = fabs(n.x) < 0.7 ? v3(1, 0, 0) : v3(0, 1, 0);
-    store(v3_unit(v3_cross(n, across)), made.u);
+    v3_storef(v3_unit(v3_cross(n, across)), made.u);
     return made;
 }
 
@@ -58,7 +51,7 @@ static bool straighten(float u[3], const float normal[3])
     struct vec3 across = v3_sub(given, v3_scale(n, along));
     if (!(v3_length(across) > LEAST_SIN * length))
         return false;
-    store(v3_unit(across), u);
+    v3_storef(v3_unit(across), u);
     return true;
 }
 
@@ -111,7 +104,7 @@ bool phong_clean(struct stp_phong_splat *phong, const float normal[3])
 
 void phong_transform(struct stp_phong_splat *phong, const double m[16], double scale)
 {
-    store(v3_scale(m4_direction(m, v3_loadf(phong->u)), 1 / scale), phong->u);
+    v3_storef(v3_scale(m4_direction(m, v3_loadf(phong->u)), 1 / scale), phong->u);
     for (int i = 0; i < 2; i++)
         phong->radius[i] = (float)(phong->radius[i] * scale);
 }

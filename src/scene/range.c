@@ -114,9 +114,7 @@ static void set_disc(struct cloud *cloud, size_t i, const struct range_pixel *p,
     double wide = fmax(v3_length(p->across), v3_length(p->down));
     const double place[3] = { p->place.x, p->place.y, p->place.z };
     memcpy(cloud->position[i], place, sizeof place);
-    cloud->normal[i][0] = (float)n.x;
-    cloud->normal[i][1] = (float)n.y;
-    cloud->normal[i][2] = (float)n.z;
+    v3_storef(n, cloud->normal[i]);
     cloud->radius[i] = (float)(wide * sqrt(0.5));
     memcpy(cloud->color[i], color, 3 * sizeof *color);
 }

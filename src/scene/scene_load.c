@@ -42,17 +42,13 @@ static void transform_cloud(struct cloud *cloud, const double m[16], double scal
 {
     for (size_t i = 0; i < cloud->count; i++) {
         struct vec3 p = m4_point(m, v3_load(cloud->position[i]));
-        cloud->position[i][0] = p.x;
-        cloud->position[i][1] = p.y;
-        cloud->position[i][2] = p.z;
+        v3_store(p, cloud->position[i]);
         if (cloud->radius)
             cloud->radius[i] = (float)(cloud->radius[i] * scale);
         if (!cloud->normal)
             continue;
         struct vec3 n = v3_scale(m4_direction(m, v3_loadf(cloud->normal[i])), 1 / scale);
-        cloud->normal[i][0] = (float)n.x;
-        cloud->normal[i][1] = (float)n.y;
-        cloud->normal[i][2] = (float)n.z;
+        v3_storef(n, cloud->normal[i]);
         if (cloud->phong)
             phong_transform(&cloud->phong[i], m, scale);
     }

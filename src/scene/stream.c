@@ -74,7 +74,7 @@ struct picking {
     uint32_t *row;
 };
 
-static void count_grain(void *context, size_t begin, size_t end, unsigned worker)
+static void count_grain(void *context, size_t begin, size_t end, unsigned)
 {
     const struct picking *p = context;
     size_t all = p->stream->file.count;
@@ -86,7 +86,7 @@ static void count_grain(void *context, size_t begin, size_t end, unsigned worker
     }
 }
 
-static void pick_grain(void *context, size_t begin, size_t end, unsigned worker)
+static void pick_grain(void *context, size_t begin, size_t end, unsigned)
 {
     const struct picking *p = context;
     const struct ply_stream *file = &p->stream->file;

@@ -53,7 +53,7 @@ enum stp_result calibrate_cache_path(const struct stp_env *env, const struct stp
 }
 
 /* Of the reader's own lines one is kept, for the warning. */
-static void keep_line(void *user, enum stp_log_level level, const char *line)
+static void keep_line(void *user, enum stp_log_level, const char *line)
 {
     char *kept = user;
     if (!kept[0])

@@ -52,8 +52,8 @@ static void fill(const struct calibrate_scene *what, double sphere, const struct
     for (unsigned i = 0; i < each * what->shells; i++) {
         struct vec3 n = direction(i % each, each);
         struct vec3 p = v3_scale(n, sphere * (1 - 0.15 * (i / each)));
-        memcpy(a->position[i], (double[3]){ p.x, p.y, p.z }, sizeof *a->position);
-        memcpy(a->normal[i], (float[3]){ (float)n.x, (float)n.y, (float)n.z }, sizeof *a->normal);
+        v3_store(p, a->position[i]);
+        v3_storef(n, a->normal[i]);
         memcpy(a->color[i], (float[3]){ 0.5f, 0.7f, (float)(i % 7) / 7 }, sizeof *a->color);
         a->radius[i] = (float)(what->radius * pixel);
     }

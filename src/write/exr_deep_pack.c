@@ -122,7 +122,7 @@ static exr_result_t pack_line(const struct exr_deep *picture, uint32_t y, struct
     return result == EXR_ERR_SUCCESS && picture->zip && count ? zip(line, layers) : result;
 }
 
-static void pack_lines(void *context, size_t begin, size_t end, unsigned worker)
+static void pack_lines(void *context, size_t begin, size_t end, unsigned)
 {
     struct packer *p = context;
     for (size_t i = begin; i < end; i++)

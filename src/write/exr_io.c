@@ -13,18 +13,18 @@ static void *allocate(size_t bytes)
 }
 
 /* The core calls this with its lock held, so that not even the user data can be asked for. */
-static void drop_message(exr_const_context_t context, exr_result_t code, const char *message)
+static void drop_message(exr_const_context_t, exr_result_t, const char *)
 {
 }
 
-static int64_t size_of(exr_const_context_t context, void *user)
+static int64_t size_of(exr_const_context_t, void *user)
 {
     const struct exr_io *io = user;
     return io->bytes ? (int64_t)io->bytes->size : -1;
 }
 
-static int64_t read_at(exr_const_context_t context, void *user, void *buffer, uint64_t size,
-                       uint64_t offset, exr_stream_error_func_ptr_t error)
+static int64_t read_at(exr_const_context_t, void *user, void *buffer, uint64_t size,
+                       uint64_t offset, exr_stream_error_func_ptr_t)
 {
     const struct exr_io *io = user;
     if (offset >= io->bytes->size)
@@ -36,8 +36,8 @@ static int64_t read_at(exr_const_context_t context, void *user, void *buffer, ui
     return (int64_t)size;
 }
 
-static int64_t write_at(exr_const_context_t context, void *user, const void *buffer, uint64_t size,
-                        uint64_t offset, exr_stream_error_func_ptr_t error)
+static int64_t write_at(exr_const_context_t, void *user, const void *buffer, uint64_t size,
+                        uint64_t offset, exr_stream_error_func_ptr_t)
 {
     struct exr_io *io = user;
     uint64_t done = 0;

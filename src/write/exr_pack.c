@@ -83,7 +83,7 @@ static exr_result_t pack_chunk(struct packer *p, struct slot *slot, uint32_t lin
     return slot->pipe.compress_fn ? slot->pipe.compress_fn(&slot->pipe) : EXR_ERR_SUCCESS;
 }
 
-static void pack_chunks(void *context, size_t begin, size_t end, unsigned worker)
+static void pack_chunks(void *context, size_t begin, size_t end, unsigned)
 {
     struct packer *p = context;
     for (size_t i = begin; i < end; i++)

@@ -46,11 +46,11 @@ static void aim(const struct exr_source *s, struct decoder *d)
 }
 
 /* Zeroed: a damaged chunk that inflates to too little must not show what the heap held. */
-static void *allocate(exr_transcoding_pipeline_buffer_id_t buffer, size_t bytes)
+static void *allocate(exr_transcoding_pipeline_buffer_id_t, size_t bytes)
 {
     return mem_zalloc(bytes, 1);
 }
-static void release(exr_transcoding_pipeline_buffer_id_t buffer, void *pointer)
+static void release(exr_transcoding_pipeline_buffer_id_t, void *pointer)
 {
     mem_free(pointer);
 }

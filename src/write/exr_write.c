@@ -50,7 +50,7 @@ static exr_result_t set_channels(exr_context_t context, const struct stp_image *
 
 static exr_result_t write_part(const struct stp_env *env, exr_context_t context,
                                const struct stp_image *image, const struct stp_exr_params *params,
-                               const void *user)
+                               const void *)
 {
     exr_result_t result =
         exr_begin_part(context, image, EXR_STORAGE_SCANLINE, core_compression(params->compression));

@@ -35,7 +35,7 @@ static unsigned char encode(const double threshold[255], double value)
     return (unsigned char)code;
 }
 
-static void convert_rows(void *context, size_t begin, size_t end, unsigned worker)
+static void convert_rows(void *context, size_t begin, size_t end, unsigned)
 {
     const struct preview *p = context;
     for (size_t i = begin * p->width; i < end * p->width; i++) {
@@ -91,14 +91,14 @@ static void on_error(png_structp png, png_const_charp message)
     snprintf(writer->message, sizeof writer->message, "%s", message);
     longjmp(writer->failed, 1);
 }
-static void on_warning(png_structp png, png_const_charp message)
+static void on_warning(png_structp, png_const_charp)
 {
 }
-static png_voidp allocate(png_structp png, png_alloc_size_t bytes)
+static png_voidp allocate(png_structp, png_alloc_size_t bytes)
 {
     return mem_alloc(bytes, 1);
 }
-static void release(png_structp png, png_voidp pointer)
+static void release(png_structp, png_voidp pointer)
 {
     mem_free(pointer);
 }

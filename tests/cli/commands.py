@@ -51,9 +51,10 @@ class Commands(command.CommandTest):
     def test_plan_takes_a_device_profile(self):
         self.write("limits.json", self.done("devices", "--json"))
         profile = json.loads(self.read("limits.json"))
-        self.assertEqual(list(profile)[:9],
+        self.assertEqual(list(profile)[:10],
                          ["device", "driver", "features", "heap_bytes", "max_allocation",
-                          "max_image_size", "max_image_layers", "max_workgroups", "processor"])
+                          "max_image_size", "max_image_layers", "max_workgroups", "max_texels",
+                          "processor"])
         whole = self.done("plan", "ball.ply", "--limits", "limits.json")
         profile["features"] = []
         self.write("limits.json", json.dumps(profile))

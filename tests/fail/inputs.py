@@ -31,7 +31,7 @@ DAMAGED = [
 
 SMALL_DEVICE = (b'{"device": "d", "driver": "d", "features": [], "heap_bytes": 1000000, '
                 b'"max_allocation": 4096, "max_image_size": 64, "max_image_layers": 1, '
-                b'"max_workgroups": 65535, "processor": 1}')
+                b'"max_workgroups": 65535, "max_texels": 65536, "processor": 1}')
 
 
 class Inputs(command.CommandTest):

@@ -13,8 +13,6 @@
     X(vkEnumerateInstanceVersion, (uint32_t * a), (a), HOST)                                       \
     X(vkEnumerateInstanceLayerProperties, (uint32_t * a, VkLayerProperties * b), (a, b), HOST,     \
       MEMORY)                                                                                      \
-    X(vkEnumeratePhysicalDevices, (VkInstance a, uint32_t * b, VkPhysicalDevice * c), (a, b, c),   \
-      HOST, MEMORY, INIT)                                                                          \
     X(vkResetFences, (VkDevice a, uint32_t b, const VkFence *c), (a, b, c), MEMORY)                \
     X(vkResetCommandPool, (VkDevice a, VkCommandPool b, VkCommandPoolResetFlags c), (a, b, c),     \
       MEMORY)                                                                                      \

@@ -16,7 +16,7 @@
 static struct {
     pthread_mutex_t mutex;
     unsigned long at;
-    unsigned choice;
+    unsigned choice, crowd;
     bool sticky, discrete, in_flight;
     struct fault_state seen;
     uint64_t live[MOST_LIVE];
@@ -37,6 +37,7 @@ static void misuse(const char *what, const char *name)
 
 EXPORT fault_arm_fn fault_arm;
 EXPORT fault_discrete_fn fault_discrete;
+EXPORT fault_crowd_fn fault_crowd;
 EXPORT fault_read_fn fault_read;
 
 void fault_arm(unsigned long n, unsigned choice, bool sticky)
@@ -54,6 +55,11 @@ void fault_arm(unsigned long n, unsigned choice, bool sticky)
 void fault_discrete(bool discrete)
 {
     fault.discrete = discrete;
+}
+
+void fault_crowd(unsigned devices)
+{
+    fault.crowd = devices;
 }
 
 struct fault_state fault_read(void)
@@ -74,6 +80,7 @@ __attribute__((constructor)) static void start(void)
 {
     fault_arm(number("FAULT_AT"), (unsigned)number("FAULT_CHOICE"), number("FAULT_STICKY") != 0);
     fault_discrete(number("FAULT_DISCRETE") != 0);
+    fault_crowd((unsigned)number("FAULT_CROWD"));
 }
 
 __attribute__((destructor)) static void report(void)
@@ -327,6 +334,25 @@ static VKAPI_ATTR void VKAPI_CALL fault_vkDestroyInstance(VkInstance instance,
     fault.instance = NULL;
 }
 
+static VKAPI_ATTR VkResult VKAPI_CALL fault_vkEnumeratePhysicalDevices(VkInstance instance,
+                                                                       uint32_t *count,
+                                                                       VkPhysicalDevice *devices)
+{
+    VkResult result = INJECT(vkEnumeratePhysicalDevices, HOST, MEMORY, INIT);
+    uint32_t room = *count, one = 1;
+    VkPhysicalDevice first;
+    if (result == VK_SUCCESS && !fault.crowd)
+        return REAL(vkEnumeratePhysicalDevices)(instance, count, devices);
+    if (result == VK_SUCCESS)
+        result = REAL(vkEnumeratePhysicalDevices)(instance, &one, &first);
+    if (result < VK_SUCCESS)
+        return result;
+    *count = !devices || room > fault.crowd ? fault.crowd : room;
+    for (uint32_t i = 0; devices && i < *count; i++)
+        devices[i] = first;
+    return *count < fault.crowd ? VK_INCOMPLETE : VK_SUCCESS;
+}
+
 static VKAPI_ATTR VkResult VKAPI_CALL fault_vkCreateDevice(VkPhysicalDevice physical,
                                                            const VkDeviceCreateInfo *info,
                                                            const VkAllocationCallbacks *allocator,
@@ -382,6 +408,7 @@ static PFN_vkVoidFunction wrapper(const char *name)
         ENTRY(vkGetDeviceBufferMemoryRequirements)
         ENTRY(vkGetDeviceImageMemoryRequirements)
         ENTRY(vkCreateInstance)
+        ENTRY(vkEnumeratePhysicalDevices)
         ENTRY(vkDestroyInstance)
         ENTRY(vkCreateDevice)
         ENTRY(vkDestroyDevice)

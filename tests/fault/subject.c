@@ -12,6 +12,7 @@ struct fault_controls find_faults(void)
     assert_non_null(loader);
     fault.arm = (fault_arm_fn *)dlsym(loader, "fault_arm");
     fault.discrete = (fault_discrete_fn *)dlsym(loader, "fault_discrete");
+    fault.crowd = (fault_crowd_fn *)dlsym(loader, "fault_crowd");
     fault.read = (fault_read_fn *)dlsym(loader, "fault_read");
     if (!fault.arm || !fault.discrete || !fault.read)
         fail_msg("libvulkan.so.1 is the real loader: run under meson test");

@@ -12,6 +12,7 @@
 struct fault_controls {
     fault_arm_fn *arm;
     fault_discrete_fn *discrete;
+    fault_crowd_fn *crowd;
     fault_read_fn *read;
 };
 /* Fails the test when libvulkan.so.1 is not the stand-in. */

@@ -110,13 +110,59 @@ static void test_devices(void **state)
     }
 }
 
+/* More devices than anybody has: all are listed, as far as there is room, and counted. */
+static void test_crowd(void **state)
+{
+    enum { CROWD = 40 };
+    struct fault_controls fault = find_faults();
+    struct stp_device_info info[CROWD + 1];
+    struct stp_context *context = NULL;
+    unsigned count = 0;
+    fault.crowd(CROWD);
+    assert_int_equal(stp_devices(NULL, NULL, 0, &count), STP_OK);
+    assert_int_equal(count, CROWD);
+    for (unsigned room = CROWD - 1; room <= CROWD + 1; room++) {
+        memset(info, 0xaa, sizeof info);
+        count = 0;
+        assert_int_equal(stp_devices(NULL, info, room, &count), STP_OK);
+        assert_int_equal(count, CROWD);
+        for (unsigned i = 1; i < CROWD && i < room; i++)
+            assert_memory_equal(&info[i], &info[0], sizeof info[0]);
+        const unsigned char *past = (const unsigned char *)&info[room < CROWD ? room : CROWD];
+        assert_int_equal(*past, 0xaa);
+    }
+    assert_int_equal(stp_context_create(NULL, NULL, &context), STP_OK);
+    stp_context_destroy(&context);
+    fault.crowd(0);
+    no_misuse(&fault, "crowd", 0);
+}
+
+/* Every allocation of a list fails in turn. */
+static void test_devices_memory(void **state)
+{
+    struct fault_controls fault = find_faults();
+    enum stp_result result = STP_ERROR_MEMORY;
+    for (unsigned long n = 1; result != STP_OK; n++) {
+        struct device device;
+        struct stp_device_info info;
+        unsigned count = 77;
+        device_silent(&device);
+        mem_fail_at(n);
+        result = stp_devices(&device.env, &info, 1, &count);
+        mem_fail_at(0);
+        assert_true(result == STP_OK || (result == STP_ERROR_MEMORY && count == 77));
+        assert_int_equal(device.lines, result == STP_OK ? 0 : 1);
+        assert_true(n > 1 || result != STP_OK); /* there is one to fail */
+        no_misuse(&fault, "devices", 0);
+    }
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_contexts),
-        cmocka_unit_test(test_context_memory),
-        cmocka_unit_test(test_destroying),
-        cmocka_unit_test(test_devices),
+        cmocka_unit_test(test_contexts),       cmocka_unit_test(test_context_memory),
+        cmocka_unit_test(test_destroying),     cmocka_unit_test(test_devices),
+        cmocka_unit_test(test_devices_memory), cmocka_unit_test(test_crowd),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

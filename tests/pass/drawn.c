@@ -126,6 +126,21 @@ static bool composite(const struct drawn *d, const uint32_t *order, uint32_t cou
     return true;
 }
 
+/* The weight of a walk on a ray of world direction v, HM 5.2: (v_axis / max - h) / (1 - h), or 0.
+ * Clip: 1 where it is the dominant one, the first of equal ones. */
+static double walk_weight(const struct axis_lists *lists, const struct axis_walk *walk,
+                          struct vec3 v)
+{
+    const double along[3] = { v.x, v.y, v.z };
+    double most = fmax(fabs(v.x), fmax(fabs(v.y), fabs(v.z)));
+    double own = along[walk->axis] * (walk->backwards ? -1 : 1) / most;
+    if (lists->merge == STP_AXIS_SINGLE || lists->merge == STP_AXIS_SORT)
+        return 1;
+    if (lists->merge == STP_AXIS_CLIP)
+        return axis_dominant(v) == walk->axis && own > 0 ? 1 : 0;
+    return own > lists->h ? (own - lists->h) / (1 - lists->h) : 0;
+}
+
 bool drawn_merge(const struct drawn *d, const struct axis_lists *lists, uint32_t x, uint32_t y,
                  double near, double sum[5])
 {
@@ -135,7 +150,7 @@ bool drawn_merge(const struct drawn *d, const struct axis_lists *lists, uint32_t
     memset(sum, 0, 5 * sizeof *sum);
     for (unsigned w = 0; w < lists->walk_count; w++) {
         const struct axis_walk *walk = &lists->walk[w];
-        double weight = pow(axis_weight(lists, walk, v), 2), one[5];
+        double weight = pow(walk_weight(lists, walk, v), 2), one[5];
         if (!composite(d, lists->order + walk->first, walk->count, x + 0.5, y + 0.5, near, one))
             return false;
         weights += weight;

@@ -2,6 +2,7 @@
  * exact order of the reference. */
 #include "drawn.h"
 #include "marched.h"
+#include "walks.h"
 
 enum { N = 9, W = 48, H = 40 };
 
@@ -43,7 +44,7 @@ static void expect_lists_order(struct device *device, const struct stp_scene *sc
     struct axis_lists lists;
     struct drawn drawn;
     drawn_make(scene, camera, &params, &drawn);
-    assert_int_equal(axis_lists_build(NULL, scene, camera, merge, h, &lists), STP_OK);
+    assert_int_equal(lists_of_view(NULL, scene, camera, merge, h, &lists), STP_OK);
     for (uint32_t y = 1; y < H; y += 6)
         for (uint32_t x = 2; x < W; x += 7) {
             double sum[5];

@@ -2,6 +2,7 @@
  * every hard view, and against the exact order. */
 #include "drawn.h"
 #include "ranges.h"
+#include "walks.h"
 
 enum { W = 48, H = 40 };
 
@@ -16,7 +17,7 @@ static void expect_lists_order(struct device *device, const struct stp_scene *sc
     struct axis_lists lists;
     struct drawn drawn;
     drawn_make(scene, camera, &params, &drawn);
-    assert_int_equal(axis_lists_build(NULL, scene, camera, merge, 0.85, &lists), STP_OK);
+    assert_int_equal(lists_of_view(NULL, scene, camera, merge, 0.85, &lists), STP_OK);
     for (uint32_t y = 1; y < H; y += 3)
         for (uint32_t x = 2; x < W; x += 4) {
             double sum[5];

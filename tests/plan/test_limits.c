@@ -8,7 +8,8 @@ static const char *const good =
     " \"features\": [\"int64-atomics\", \"vertex-layer\", \"float32-blend\", \"int64\", "
     "\"float64\", \"storage-formats\"],\n"
     " \"heap_bytes\": 8589934592, \"max_allocation\": 4294967292, \"max_image_size\": 32768,\n"
-    " \"max_image_layers\": 2048, \"max_workgroups\": 2147483647, \"processor\": 2}\n";
+    " \"max_image_layers\": 2048, \"max_workgroups\": 2147483647, \"max_texels\": 134217728,\n"
+    " \"processor\": 2}\n";
 
 static enum stp_result load(const char *text, struct plan_log *log, struct stp_limits *limits)
 {
@@ -38,7 +39,8 @@ static void test_read(void **state)
     assert_int_equal(limits.features, 63);
     assert_true(limits.heap_bytes == 8589934592u && limits.max_allocation == 4294967292u);
     assert_true(limits.max_image_size == 32768 && limits.max_image_layers == 2048);
-    assert_true(limits.max_workgroups == 2147483647 && limits.processor == 2);
+    assert_true(limits.max_workgroups == 2147483647 && limits.max_texels == 1 << 27);
+    assert_int_equal(limits.processor, 2);
 }
 
 /* A profile with one part replaced: what it is, and a word of the line. */
@@ -55,8 +57,10 @@ static void test_damaged(void **state)
         { "32768", "4294967296", "max_image_size" },
         { "32768", "32768.5", "max_image_size" },
         { "2048", "null", "max_image_layers" },
+        { "134217728", "4294967296", "max_texels" },
+        { "\"max_texels\": 134217728,", "", "max_texels" },
         { "\"processor\": 2", "\"processor\": 3", "processor" },
-        { ", \"processor\": 2", "", "processor" },
+        { ",\n \"processor\": 2", "", "processor" },
         { "\"int64\"", "\"int46\"", "features" },
         { "\"int64\"", "64", "features" },
         { "\"features\": [", "\"feature\": [", "features" },

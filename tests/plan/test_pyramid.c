@@ -214,6 +214,18 @@ static void test_chunks(void **state)
     plan = plan_of(&in);
     assert_true(plan->chunk_count >= 2);
     stp_plan_destroy(&plan);
+    in.limits.max_allocation = (uint64_t)1 << 31;
+    in.limits.max_texels =
+        1 << 14; /* points are fetched as texels: whole runs, as many as may be */
+    plan = plan_of(&in);
+    assert_int_equal(plan->chunk_count, 7);
+    for (uint32_t i = 0; i < 7; i++)
+        assert_int_equal(plan->chunk[i + 1], i < 6 ? (i + 1) << 14 : 100000);
+    stp_plan_destroy(&plan);
+    in.limits.max_texels = 100000; /* just enough */
+    plan = plan_of(&in);
+    assert_int_equal(plan->chunk_count, 0);
+    stp_plan_destroy(&plan);
     release_inputs(&in);
 }
 

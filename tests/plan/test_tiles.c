@@ -108,8 +108,14 @@ static void test_texels(void **state)
         struct stp_plan *plan = plan_of(&in);
         const struct plan_resource *slots = &plan->resource[plan_find(plan, PLAN_KEYS)];
         assert_int_equal(slots->format, fetched ? PLAN_TEXELS_RG32UI : PLAN_BUFFER);
-        assert_true(!fetched || slots->bytes / 8 <= PLAN_MOST_TEXELS);
+        assert_true(!fetched || slots->bytes / 8 <= in.limits.max_texels);
         assert_int_equal(plan->tile_count, fetched ? 2 : 1);
+        stp_plan_destroy(&plan);
+        in.limits.max_texels = 1 << 24; /* of a smaller device: more tiles, if it is fetched */
+        plan = plan_of(&in);
+        slots = &plan->resource[plan_find(plan, PLAN_KEYS)];
+        assert_true(!fetched || slots->bytes / 8 <= 1 << 24);
+        assert_true(fetched ? plan->tile_count >= 16 : plan->tile_count == 1);
         stp_plan_destroy(&plan);
         release_inputs(&in);
     }

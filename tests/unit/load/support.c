@@ -82,6 +82,17 @@ enum stp_result read_buffer(const struct buffer *buffer, const struct load_optio
     return result;
 }
 
+enum stp_result read_file(const struct stp_env *env, const char *path, struct cloud *cloud)
+{
+    struct file_bytes bytes;
+    enum stp_result result = file_read(env, path, &bytes);
+    if (result != STP_OK)
+        return result;
+    result = load_from_bytes(env, path, &bytes, NULL, cloud);
+    file_release(&bytes);
+    return result;
+}
+
 struct cloud read_text(const char *text)
 {
     struct buffer buffer = { 0 };

@@ -36,6 +36,9 @@ enum stp_result read_buffer(const struct buffer *buffer, const struct load_optio
 /* The same of a text, with default options; it must succeed. */
 struct cloud read_text(const char *text);
 
+/* A file on disk, with default options. */
+enum stp_result read_file(const struct stp_env *env, const char *path, struct cloud *cloud);
+
 /* It must fail with `expected`, and the line must contain `words`. */
 void refuse_text(const char *text, enum stp_result expected, const char *words);
 void refuse_buffer(const struct buffer *buffer, enum stp_result expected, const char *words);

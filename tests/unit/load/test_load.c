@@ -6,6 +6,7 @@
 #include <zlib.h>
 
 #include "support.h"
+#include <stipple/scene.h>
 
 static const char ply[] = "ply\nformat ascii 1.0\nelement vertex 2\nproperty float x\n"
                           "property float y\nproperty float z\nproperty uchar red\n"
@@ -35,12 +36,12 @@ static void test_file_and_gzip(void **state)
     fwrite(ply, 1, sizeof ply - 1, file);
     fclose(file);
     struct cloud plain, packed;
-    assert_int_equal(load_points(NULL, name, NULL, &plain), STP_OK);
+    assert_int_equal(read_file(NULL, name, &plain), STP_OK);
     assert_string_equal(plain.format, "PLY ascii");
     gzFile gz = gzopen(name, "wb");
     gzwrite(gz, ply, sizeof ply - 1);
     gzclose(gz);
-    assert_int_equal(load_points(NULL, name, NULL, &packed), STP_OK);
+    assert_int_equal(read_file(NULL, name, &packed), STP_OK);
     assert_string_equal(packed.format, "PLY ascii, gzip");
     strcpy(packed.format, plain.format);
     assert_true(same_cloud(&plain, &packed));
@@ -49,7 +50,7 @@ static void test_file_and_gzip(void **state)
     unlink(name);
     unsigned errors = 0;
     struct stp_env env = { .log = quiet, .user = &errors };
-    assert_int_equal(load_points(&env, name, NULL, &plain), STP_ERROR_IO);
+    assert_int_equal(read_file(&env, name, &plain), STP_ERROR_IO);
     assert_int_equal(errors, 1);
 }
 
@@ -146,10 +147,10 @@ static void test_progress(void **state)
     fclose(file);
     struct progress progress = { 0 };
     struct stp_env env = { .progress = note_progress, .user = &progress };
-    struct cloud cloud;
-    assert_int_equal(load_points(&env, name, NULL, &cloud), STP_OK);
+    struct stp_scene *scene = NULL;
+    assert_int_equal(stp_scene_load(&env, name, NULL, &scene), STP_OK);
     assert_true(progress.calls >= 2 && progress.last == 1);
-    cloud_release(&cloud);
+    stp_scene_destroy(&scene);
     unlink(name);
 }
 

@@ -21,7 +21,7 @@ static void expect_refusal(const char *name, const char *words)
     struct cloud cloud;
     struct stp_env env = { .log = note, .user = error };
     snprintf(path, sizeof path, "%s/%s", folder, name);
-    enum stp_result result = load_points(&env, path, NULL, &cloud);
+    enum stp_result result = read_file(&env, path, &cloud);
     if (result != STP_ERROR_FORMAT || !strstr(error, words))
         print_error("%s: %d \"%s\"\n", name, result, error);
     assert_int_equal(result, STP_ERROR_FORMAT);

@@ -3,6 +3,7 @@
 #include "volumes.h"
 #include "base/memory.h"
 #include "prepare/axis_blocks.h"
+#include "walks.h"
 
 enum { N = 7, W = 28, H = 20 };
 
@@ -92,7 +93,7 @@ static void counts_are_those_of_the_pixels(void **state)
             size_t count[6], total = 0;
             struct axis_lists lists;
             count_by_pixels(scene, &camera, hs[i], count);
-            assert_int_equal(axis_lists_build(NULL, scene, &camera, STP_AXIS_BLEND, hs[i], &lists),
+            assert_int_equal(lists_of_view(NULL, scene, &camera, STP_AXIS_BLEND, hs[i], &lists),
                              STP_OK);
             for (unsigned w = 0; w < lists.walk_count; w++) {
                 const struct axis_walk *walk = &lists.walk[w];
@@ -120,7 +121,7 @@ static void lists_are_in_order(void **state)
             struct stp_camera camera = view_of_index(v);
             struct axis_lists lists;
             assert_int_equal(
-                axis_lists_build(NULL, scene, &camera, (enum stp_axis_merge)merge, 0.85, &lists),
+                lists_of_view(NULL, scene, &camera, (enum stp_axis_merge)merge, 0.85, &lists),
                 STP_OK);
             assert_true(lists.walk_count <= (merge >= STP_AXIS_SINGLE ? 1 : 6));
             for (unsigned w = 0; w < lists.walk_count; w++) {
@@ -166,8 +167,7 @@ static void one_axis_one_list(void **state)
     for (int merge = STP_AXIS_BLEND; merge <= STP_AXIS_SORT; merge++) {
         struct axis_lists lists;
         assert_int_equal(
-            axis_lists_build(NULL, scene, &camera, (enum stp_axis_merge)merge, 0.85, &lists),
-            STP_OK);
+            lists_of_view(NULL, scene, &camera, (enum stp_axis_merge)merge, 0.85, &lists), STP_OK);
         assert_int_equal(lists.walk_count, 1);
         assert_true(lists.walk[0].axis == 2 && lists.walk[0].backwards);
         assert_int_equal(lists.count, lists.visible);
@@ -177,36 +177,6 @@ static void one_axis_one_list(void **state)
         axis_lists_release(&lists);
     }
     stp_scene_destroy(&scene);
-}
-
-/* Every pixel has a dominant walk of weight 1, so that Eq. 1 never divides by less. */
-static void some_weight_is_one(void **state)
-{
-    for (int v = 0; v < VIEWS + MORE_VIEWS; v++)
-        for (int merge = STP_AXIS_BLEND; merge <= STP_AXIS_CLIP; merge++) {
-            struct stp_camera c = view_of_index(v);
-            const struct axis_lists lists = { .merge = (enum stp_axis_merge)merge, .h = 0.85 };
-            for (int y = 0; y < H; y++)
-                for (int x = 0; x < W; x++) {
-                    struct vec3 ray = v3((x + 0.5 - c.cx) / c.fx, -(y + 0.5 - c.cy) / c.fy, -1);
-                    if (c.orthographic)
-                        ray = v3(0, 0, -1);
-                    const double *m = c.world_to_camera;
-                    struct vec3 v3d = v3(m[0] * ray.x + m[4] * ray.y + m[8] * ray.z,
-                                         m[1] * ray.x + m[5] * ray.y + m[9] * ray.z,
-                                         m[2] * ray.x + m[6] * ray.y + m[10] * ray.z);
-                    double most = 0, sum = 0;
-                    for (int w = 0; w < 6; w++) {
-                        struct axis_walk walk = { .axis = (uint8_t)(w / 2), .backwards = w % 2 };
-                        double weight = axis_weight(&lists, &walk, v3d);
-                        assert_true(weight >= 0 && weight <= 1 + 1e-12);
-                        most = fmax(most, weight);
-                        sum += weight;
-                    }
-                    close_to(most, 1, 1e-12);
-                    assert_true(merge == STP_AXIS_BLEND || sum == 1);
-                }
-        }
 }
 
 /* Every fragment with a weight is of a splat that its block lists, once and in the list's order. */
@@ -285,8 +255,7 @@ static void updated_as_built(void **state)
             struct axis_blocks own = { 0 };
             assert_int_equal(axis_lists_update(NULL, scene, &camera, &moved), STP_OK);
             assert_int_equal(axis_blocks_update(NULL, &moved, &at), STP_OK);
-            assert_int_equal(axis_lists_build(NULL, scene, &camera, moved.merge, 0.7, &fresh),
-                             STP_OK);
+            assert_int_equal(lists_of_view(NULL, scene, &camera, moved.merge, 0.7, &fresh), STP_OK);
             assert_int_equal(axis_blocks_update(NULL, &fresh, &own), STP_OK);
             assert_int_equal(moved.count, fresh.count);
             assert_int_equal(moved.visible, fresh.visible);
@@ -310,11 +279,11 @@ static void one_voxel_and_none(void **state)
     struct stp_camera camera = plain_camera(W, H, H);
     struct axis_lists lists;
     look_at(&camera, v3(0, 0, 5), v3(0, 0, 0));
-    assert_int_equal(axis_lists_build(NULL, scene, &camera, STP_AXIS_BLEND, 0.85, &lists), STP_OK);
+    assert_int_equal(lists_of_view(NULL, scene, &camera, STP_AXIS_BLEND, 0.85, &lists), STP_OK);
     assert_true(lists.walk_count == 1 && lists.count == 1 && lists.order[0] == 0);
     axis_lists_release(&lists);
     look_at(&camera, v3(0, 0, 5), v3(0, 0, 10)); /* behind the eye */
-    assert_int_equal(axis_lists_build(NULL, scene, &camera, STP_AXIS_BLEND, 0.85, &lists), STP_OK);
+    assert_int_equal(lists_of_view(NULL, scene, &camera, STP_AXIS_BLEND, 0.85, &lists), STP_OK);
     assert_true(lists.walk_count == 0 && lists.count == 0 && !lists.order);
     axis_lists_release(&lists);
     stp_scene_destroy(&scene);
@@ -332,11 +301,11 @@ static void threads_and_allocations(void **state)
         struct stp_env one = { .threads = 1, .log = swallow }, many = { .threads = 4 };
         struct axis_lists a = { 0 }, b;
         enum stp_axis_merge m = (enum stp_axis_merge)merge;
-        assert_int_equal(axis_lists_build(&many, scene, &camera, m, 0.5, &b), STP_OK);
+        assert_int_equal(lists_of_view(&many, scene, &camera, m, 0.5, &b), STP_OK);
         enum stp_result result = STP_ERROR_MEMORY;
         for (unsigned long n = 1; result != STP_OK; n++) {
             mem_fail_at(n);
-            result = axis_lists_build(&one, scene, &camera, m, 0.5, &a);
+            result = lists_of_view(&one, scene, &camera, m, 0.5, &a);
             mem_fail_at(0);
             assert_true(result == STP_OK || (result == STP_ERROR_MEMORY && !a.order));
             assert_true(n < 50);
@@ -369,7 +338,6 @@ int main(void)
         cmocka_unit_test(counts_are_those_of_the_pixels),
         cmocka_unit_test(lists_are_in_order),
         cmocka_unit_test(one_axis_one_list),
-        cmocka_unit_test(some_weight_is_one),
         cmocka_unit_test(blocks_hold_every_fragment),
         cmocka_unit_test(updated_as_built),
         cmocka_unit_test(one_voxel_and_none),

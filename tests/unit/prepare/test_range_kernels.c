@@ -4,6 +4,7 @@
 #include "prepare/axis_lists.h"
 #include "prepare/axis_region.h"
 #include "reference/range.h"
+#include "walks.h"
 
 enum { W = 40, H = 30 };
 
@@ -197,7 +198,7 @@ static void lists_are_in_order(void **state)
             struct stp_camera camera = hard_view(v, W, H);
             struct axis_lists lists;
             assert_int_equal(
-                axis_lists_build(NULL, scene, &camera, (enum stp_axis_merge)merge, 0.85, &lists),
+                lists_of_view(NULL, scene, &camera, (enum stp_axis_merge)merge, 0.85, &lists),
                 STP_OK);
             for (unsigned w = 0; w < lists.walk_count; w++) {
                 const struct axis_walk *walk = &lists.walk[w];

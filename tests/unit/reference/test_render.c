@@ -2,7 +2,7 @@
 #include "fixture.h"
 
 #include "base/memory.h"
-#include "reference/samples.h"
+#include "scene/samples.h"
 
 static void sample_positions(void **state)
 {

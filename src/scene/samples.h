@@ -1,6 +1,6 @@
 /* Stratified sample positions (docs/numerics.md, "Samples"). */
-#ifndef STP_REFERENCE_SAMPLES_H
-#define STP_REFERENCE_SAMPLES_H
+#ifndef STP_SCENE_SAMPLES_H
+#define STP_SCENE_SAMPLES_H
 
 #include <stdint.h>
 

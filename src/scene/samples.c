@@ -1,4 +1,4 @@
-#include "reference/samples.h"
+#include "scene/samples.h"
 
 unsigned sample_grid(unsigned samples)
 {
