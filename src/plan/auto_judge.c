@@ -23,8 +23,8 @@
 
 enum stp_result auto_probe(struct choosing *c, unsigned which)
 {
-    static const struct probe_sample samples[] = { { CELLS_FEW, 0, true },
-                                                   { CELLS_MANY, 0, true } };
+    static const struct probe_sample samples[] = { { .cells = CELLS_FEW, .alone = true },
+                                                   { .cells = CELLS_MANY, .alone = true } };
     if (c->probed[which])
         return STP_OK;
     enum stp_result result = probe_make(c->env, c->scene, c->camera, &c->params, &c->survey,
@@ -180,7 +180,7 @@ static enum stp_result look_on(struct choosing *c, const struct auto_candidate *
     uint32_t cells = candidate->way.method == STP_METHOD_PYRAMID ? CELLS_DRAWN : CELLS_PART;
     unsigned parts = 1;
     for (unsigned k = 0; result == STP_OK && k < parts && !(k && settled(c, e, 1)); k++) {
-        const struct probe_sample sample = { cells, k, false };
+        const struct probe_sample sample = { .cells = cells, .part = k };
         struct probe probe;
         struct estimate part;
         result = probe_make(c->env, c->scene, c->camera, &c->params, &c->survey, &sample, &probe);

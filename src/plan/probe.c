@@ -1,6 +1,7 @@
 /* Which pixels are probed, and all their fragments. */
 #include "plan/probe.h"
 
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -47,6 +48,16 @@ static size_t place_of(const struct making *m, const uint32_t corner[2])
     return (size_t)(corner[1] / PROBE_CELL) * m->survey->across * ACROSS + corner[0] / PROBE_CELL;
 }
 
+/* As many as are asked for, or as the fragments leave memory for. */
+static unsigned cells_of(const struct survey *survey, size_t places,
+                         const struct probe_sample *sample)
+{
+    double most = sample->fragments > 0 ? sample->fragments : PROBE_FRAGMENTS;
+    double each = places ? survey->fragments / (double)places : 0;
+    double fit = fmax(each > 0 ? most / each : INFINITY, PROBE_LEAST_CELLS);
+    return fit < sample->cells ? (unsigned)fit : sample->cells;
+}
+
 /* Stratified: the places of the touched blocks, block by block, fall into runs of one place for
  * each part. Which is whose differs from run to run. The touched blocks are listed in `cell_of`,
  * before that becomes the map. */
@@ -59,7 +70,8 @@ static void place_cells(struct making *m, const struct probe_sample *sample)
         if (s->mass[b] > 0)
             m->cell_of[touched++] = (uint32_t)b;
     size_t places = touched * BLOCK_CELLS;
-    unsigned parts = places ? (unsigned)((places + sample->cells - 1) / sample->cells) : 1;
+    unsigned cells = cells_of(s, places, sample);
+    unsigned parts = places ? (unsigned)((places + cells - 1) / cells) : 1;
     uint64_t turn = (uint64_t)sample->part * stride_of(parts);
     for (size_t run = 0; run * parts < places; run++) {
         size_t at = run * parts + (turn + mix_bits((uint32_t)run + 1)) % parts;

@@ -39,10 +39,14 @@ struct probe {
 };
 
 /* Which pixels: at most `cells` cells, spread over the touched blocks. As many parts as it takes,
- * each so large or a cell smaller, have no cell in common and leave out none. */
+ * each so large or a cell smaller, have no cell in common and leave out none. Where many fragments
+ * lie one behind another cells are fewer, but never fewer than PROBE_LEAST_CELLS. */
+#define PROBE_FRAGMENTS   8388608 /* 0.6 GB, twice while they are sorted */
+#define PROBE_LEAST_CELLS 64      /* fewer say too little of how cells differ */
 struct probe_sample {
     unsigned cells, part;
-    bool alone; /* stands for the picture by itself: no other part will be looked at */
+    bool alone;       /* stands for the picture by itself: no other part will be looked at */
+    double fragments; /* at most so many, about; 0: PROBE_FRAGMENTS */
 };
 enum stp_result probe_make(const struct stp_env *env, const struct stp_scene *scene,
                            const struct stp_camera *camera, const struct stp_render_params *params,

@@ -156,7 +156,7 @@ static enum stp_result count_layers(struct calibrating *c, struct bed *bed)
     struct probe probe;
     enum stp_result result =
         probe_make(&c->quiet, bed->scene, &bed->camera, &bed->params, &bed->survey,
-                   &(const struct probe_sample){ CELLS, 0, true }, &probe);
+                   &(const struct probe_sample){ .cells = CELLS, .alone = true }, &probe);
     if (result != STP_OK)
         return result;
     bed->survey.layers = probe.layers;

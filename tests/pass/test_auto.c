@@ -6,7 +6,7 @@
 #include "study/calibrate.h"
 
 static struct device device;
-static const struct probe_sample every = { 100000, 0, true }; /* pixel */
+static const struct probe_sample every = { .cells = 100000, .alone = true }; /* pixel */
 
 static int open_device(void **state)
 {

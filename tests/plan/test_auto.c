@@ -48,9 +48,10 @@ static struct probe_error error_by(const struct inputs *in, const struct stp_cho
     struct probe_error error;
     struct stp_plan *plan = NULL;
     assert_int_equal(survey_make(NULL, in->scene, &in->camera, &in->params, &survey), STP_OK);
-    assert_int_equal(probe_make(NULL, in->scene, &in->camera, &in->params, &survey,
-                                &(const struct probe_sample){ cells, 0, cells == MANY }, &probe),
-                     STP_OK);
+    assert_int_equal(
+        probe_make(NULL, in->scene, &in->camera, &in->params, &survey,
+                   &(const struct probe_sample){ .cells = cells, .alone = cells == MANY }, &probe),
+        STP_OK);
     assert_int_equal(
         stp_plan_create(NULL, in->scene, &in->camera, &choice->params, &in->limits, &plan), STP_OK);
     assert_int_equal(probe_judge(NULL, &probe, plan, plan_offer_of(plan)->keep,

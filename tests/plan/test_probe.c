@@ -16,14 +16,18 @@ struct bed {
     struct probe probe;
 };
 
-static struct probe probe_of(const struct bed *bed, unsigned cells, unsigned part)
+static struct probe probe_with(const struct bed *bed, const struct probe_sample *sample)
 {
-    const struct probe_sample sample = { cells, part, false };
     struct probe probe;
     assert_int_equal(
-        probe_make(NULL, bed->scene, &bed->camera, &bed->params, &bed->survey, &sample, &probe),
+        probe_make(NULL, bed->scene, &bed->camera, &bed->params, &bed->survey, sample, &probe),
         STP_OK);
     return probe;
+}
+
+static struct probe probe_of(const struct bed *bed, unsigned cells, unsigned part)
+{
+    return probe_with(bed, &(const struct probe_sample){ .cells = cells, .part = part });
 }
 
 static struct bed bed_of(struct stp_scene *scene, unsigned cells,
@@ -302,6 +306,32 @@ static void test_parts(void **state)
     bed_release(&whole);
 }
 
+/* Where fragments would be too many cells are fewer, to a least number, and parts still make up the
+ * whole. */
+static void test_fragments(void **state)
+{
+    struct bed whole = bed_make(5, 2000, 10000);
+    const size_t all = whole.probe.first[whole.probe.pixels];
+    static const double shares[] = { 0.5, 0.25, 1e-6 };
+    for (unsigned i = 0; i < 3; i++) {
+        struct probe_sample sample = { .cells = 10000, .fragments = shares[i] * all };
+        size_t fragments = 0;
+        unsigned cells = 0, parts = 1;
+        for (; sample.part < parts; sample.part++) {
+            struct probe probe = probe_with(&whole, &sample);
+            size_t here = probe.first[probe.pixels];
+            parts = probe.parts;
+            assert_true(here < 1.3 * sample.fragments || probe.cells <= PROBE_LEAST_CELLS);
+            cells += probe.cells;
+            fragments += here;
+            probe_release(&probe);
+        }
+        assert_true(cells == whole.probe.cells && fragments == all);
+        assert_true(parts >= 1 / shares[i] || parts == (cells + 63) / PROBE_LEAST_CELLS);
+    }
+    bed_release(&whole);
+}
+
 /* What fragments are made of, rounded to floats: the picture is not farther from the exact one than
  * is said. */
 static void test_rounding(void **state)
@@ -415,7 +445,7 @@ static void test_no_memory(void **state)
         struct probe_error error;
         struct stp_group_params group = { .overlap = 0.6 };
         struct stp_grouping facts;
-        const struct probe_sample sample = { 10, 0, true };
+        const struct probe_sample sample = { .cells = 10, .alone = true };
         uint8_t *groups = NULL;
         mem_fail_at(n);
         result =
@@ -442,6 +472,7 @@ int main(void)
         cmocka_unit_test(test_sampling),    cmocka_unit_test(test_parts),
         cmocka_unit_test(test_rounding),    cmocka_unit_test(test_no_memory),
         cmocka_unit_test(test_flips),       cmocka_unit_test(test_flips_left),
+        cmocka_unit_test(test_fragments),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
