@@ -1,13 +1,12 @@
 /* A build without MPI: every process is alone. */
 #include "machines.h"
 
-static enum stp_result agree(void *user, enum stp_result mine)
+static enum stp_result agree(void *, enum stp_result mine)
 {
     return mine;
 }
 
-static void reduce(void *user, enum stp_reduction reduction, int64_t *values, size_t count,
-                   bool to_all)
+static void reduce(void *, enum stp_reduction, int64_t *, size_t, bool)
 {
 }
 
@@ -16,7 +15,7 @@ void machines_open(struct stp_machines *exchange)
     *exchange = (struct stp_machines){ .count = 1, .agree = agree, .reduce = reduce };
 }
 
-void machines_close(struct stp_machines *exchange)
+void machines_close(struct stp_machines *)
 {
 }
 
@@ -30,7 +29,7 @@ bool machines_speaks(void)
     return true;
 }
 
-int machines_agree(const struct stp_machines *exchange, struct console *console, int status)
+int machines_agree(const struct stp_machines *, struct console *, int status)
 {
     return status;
 }

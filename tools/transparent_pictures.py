@@ -1,14 +1,20 @@
 #!/usr/bin/env python3
-"""The picture of docs/transparency.md beside Fig. 12 of Zhang and Pajarola 2006; it wants oiiotool.
+"""The pictures of docs/transparency.md and docs/glass.md beside those of Zhang and Pajarola 2006; they
+want oiiotool.
 
-  tools/transparent_pictures.py OUT [--size PIXELS]
-
-A transparent knot by depth peeling, by Algorithm 3 (nearest) and by Algorithm 2 (fast); below, what
-each differs from the reference, four times as strong.
+  tools/transparent_pictures.py ways OUT [--size PIXELS]
+      Fig. 12: a transparent knot by depth peeling, by Algorithm 3 (nearest) and by Algorithm 2
+      (fast); below, what each differs from the reference, four times as strong
+  tools/transparent_pictures.py beads OUT [--size PIXELS]
+      Figs. 1 a, b and 13: opaque balls within a transparent surface, by Algorithms 2 and 3, and by
+      exact layers
+  tools/transparent_pictures.py glass OUT [--size PIXELS]
+      Figs. 1 c, d and 14: the knot of glass, single-layer and multi-layer
 """
 import argparse
 import os
 import subprocess
+import sys
 import tempfile
 
 import bench
@@ -33,19 +39,50 @@ def ways(folder, size, out):
         subprocess.run(["oiiotool", name + ".exr", "--ch", "R,G,B", truth + ".exr", "--ch", "R,G,B",
                         "--absdiff", "--mulc", "4", "-d", "uint8", "-o", name + "-off.png"],
                        check=True)
-    pictures = [n + ".png" for n in names] + [n + "-off.png" for n in names]
-    mosaic = ["--mosaic:pad=4", f"{len(WAYS)}x2", "--ch", "R,G,B"]
-    subprocess.run(["oiiotool", *pictures, *mosaic, "-o", out], check=True)
+    mosaic([n + ".png" for n in names] + [n + "-off.png" for n in names], len(WAYS), out)
+
+
+def mosaic(pictures, columns, out):
+    rows = len(pictures) // columns
+    subprocess.run(["oiiotool", *pictures, "--mosaic:pad=4", f"{columns}x{rows}", "--ch", "R,G,B", "-o",
+                    out], check=True)
+
+
+def scenes(folder):
+    maker = os.path.join(bench.ROOT, "tools", "make_glass.py")
+    subprocess.run([sys.executable, maker, folder, "--model", KNOT], check=True)
+
+
+def rendered(folder, scene, name, size, *more):
+    picture = os.path.join(folder, name + ".png")
+    bench.stipple("render", os.path.join(folder, scene), "-q", "--size", f"{size}x{size}", "--preview",
+                  picture, *more)
+    return picture
+
+
+def beads(folder, size, out):
+    scenes(folder)
+    ways_of_beads = ["fast", "nearest", "exact"]
+    mosaic([rendered(folder, "beads.json", way, size, "--transparency", way, "--background", "1,1,1,1")
+            for way in ways_of_beads], len(ways_of_beads), out)
+
+
+def glass(folder, size, out):
+    scenes(folder)
+    look = ["--view", "30,25", "--transparency", "exact", "--samples", "4", "--background", "environment"]
+    mosaic([rendered(folder, "glass.json", layers, size, "--layers", layers, *look)
+            for layers in ["single", "multi"]], 2, out)
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__,
                                      formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("what", choices=["ways", "beads", "glass"])
     parser.add_argument("out")
     parser.add_argument("--size", type=int, default=300)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
-        ways(folder, options.size, options.out)
+        {"ways": ways, "beads": beads, "glass": glass}[options.what](folder, options.size, options.out)
 
 
 if __name__ == "__main__":

@@ -173,11 +173,13 @@ enum stp_result gpu_upload_at(const struct stp_env *env, struct stp_context *con
                               size_t bytes);
 /* The same of what the host computes: gpu_fill_begin says where to write count * size bytes, and
  * gpu_fill_end sends them. Where the host sees the device's memory that is the buffer itself, and
- * nothing is staged; so only write. NULL: no memory, logged. */
+ * nothing is staged; so only write. NULL: no memory, logged. gpu_fill_drop in the place of
+ * gpu_fill_end sends nothing: filling has failed. */
 void *gpu_fill_begin(const struct stp_env *env, const struct gpu_buffer *buffer, size_t count,
                      size_t size, const char *what);
 enum stp_result gpu_fill_end(const struct stp_env *env, struct stp_context *context,
                              struct gpu_buffer *buffer, void *filled, size_t bytes);
+void gpu_fill_drop(const struct gpu_buffer *buffer, void *filled);
 /* The other way; what wrote the buffer has been waited for. */
 enum stp_result gpu_download(const struct stp_env *env, struct stp_context *context,
                              const struct gpu_buffer *buffer, size_t offset, void *data,

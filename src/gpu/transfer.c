@@ -90,6 +90,12 @@ enum stp_result gpu_fill_end(const struct stp_env *env, struct stp_context *cont
     return result;
 }
 
+void gpu_fill_drop(const struct gpu_buffer *buffer, void *filled)
+{
+    if (filled != gpu_view(buffer))
+        mem_free(filled);
+}
+
 static enum stp_result invalidate(const struct stp_env *env, struct stp_context *context,
                                   const struct gpu_buffer *buffer)
 {

@@ -28,14 +28,6 @@ unsigned axis_dominant(struct vec3 v)
     return x >= y && x >= z ? 0 : y >= z ? 1 : 2;
 }
 
-/* Bits of a double that order as the numbers do. */
-static uint64_t ascending_key(double value)
-{
-    uint64_t bits;
-    memcpy(&bits, &value, sizeof bits);
-    return bits >> 63 ? ~bits : bits | (uint64_t)1 << 63;
-}
-
 /* Ellipsoids and discs lie anywhere: sorted along the axis, once for all views. */
 static enum stp_result sort_scattered(const struct stp_env *env, size_t count,
                                       const double (*place)[3], unsigned axis,
@@ -48,7 +40,7 @@ static enum stp_result sort_scattered(const struct stp_env *env, size_t count,
     if (!first || !kernel || !key)
         result = log_no_memory(env, count * 12, "the order along an axis");
     for (size_t i = 0; result == STP_OK && i < count; i++) {
-        key[i] = ascending_key(place[i][axis]);
+        key[i] = radix_ascending(place[i][axis]);
         kernel[i] = (uint32_t)i;
     }
     if (result == STP_OK)
@@ -177,7 +169,7 @@ static void key_range(void *context, size_t begin, size_t end, unsigned)
         double world[3];
         axis_centre(&k->view, k->order[i], world);
         struct vec3 c = m4_point(camera->world_to_camera, v3_load(world));
-        k->key[i] = ~ascending_key(camera->orthographic ? -c.z : v3_dot(c, c));
+        k->key[i] = ~radix_ascending(camera->orthographic ? -c.z : v3_dot(c, c));
     }
 }
 

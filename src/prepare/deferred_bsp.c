@@ -1,12 +1,19 @@
 #include "prepare/deferred_bsp.h"
 
 #include <math.h>
+#include <string.h>
 
 #include "base/log.h"
 #include "base/memory.h"
 #include "base/thread.h"
+#include "prepare/radix.h"
 
 #define JOB_LEVELS 4 /* a group is walked in at most 2^4 parts, side by side */
+
+/* Sine of the angle between a plane and the ray to its node, below which the plane counts as seen
+ * edge-on. Then sheets 1 / EDGE_ON of the discs' reach and more apart are right beside all planes.
+ */
+#define EDGE_ON 0.0625f
 
 /* Planes are at right angles to one of these: the axes, and what lies halfway between two. */
 #define DIRECTIONS 9
@@ -183,6 +190,7 @@ enum stp_result bsp_build(const struct stp_env *env, const struct splats *splats
 /* A part of a walk: nodes [low, high) go to out[at] and on. */
 struct job {
     size_t low, high, at;
+    bool by_distance;
 };
 
 struct walk {
@@ -218,16 +226,28 @@ static void emit(const struct walk *w, size_t low, size_t high, uint32_t *out)
     }
 }
 
+static bool seen_edge_on(const struct walk *w, const struct bsp_node *n)
+{
+    float v[3], square = 0;
+    for (int a = 0; a < 3; a++) {
+        v[a] = w->parallel ? w->eye[a] : w->eye[a] - n->p[a];
+        square += v[a] * v[a];
+    }
+    float across = along(v, n->direction), length2 = n->direction < 3 ? 1 : 2;
+    return across * across < EDGE_ON * EDGE_ON * length2 * square;
+}
+
 /* Cuts [low, high) into jobs; the nodes above them are put out at once. */
 static void cut(struct walk *w, struct job j, unsigned levels)
 {
-    if (levels == 0 || j.high - j.low < 1024) {
+    size_t middle = j.low + (j.high - j.low) / 2;
+    j.by_distance = levels > 0 && j.high > j.low && seen_edge_on(w, &w->node[middle]);
+    if (levels == 0 || j.high - j.low < 1024 || j.by_distance) {
         w->job[w->count++] = j;
         return;
     }
-    size_t middle = j.low + (j.high - j.low) / 2;
     bool above = high_is_far(w, &w->node[middle]);
-    struct job low = { j.low, middle, j.at }, high = { middle + 1, j.high, j.at };
+    struct job low = { j.low, middle, j.at, false }, high = { middle + 1, j.high, j.at, false };
     if (above)
         low.at += j.high - middle;
     else
@@ -241,11 +261,46 @@ static void run_jobs(void *context, size_t begin, size_t end, unsigned)
 {
     const struct walk *w = context;
     for (size_t i = begin; i < end; i++)
-        emit(w, w->job[i].low, w->job[i].high, w->out + w->job[i].at);
+        if (!w->job[i].by_distance)
+            emit(w, w->job[i].low, w->job[i].high, w->out + w->job[i].at);
 }
 
-void bsp_order(const struct stp_env *env, const struct cover_groups *groups, const double eye[4],
-               uint32_t *out)
+/* Grows with the distance from the eye. */
+static double distance(const struct walk *w, const float p[3])
+{
+    double sum = 0;
+    for (int a = 0; a < 3; a++) {
+        double v = (double)p[a] - w->eye[a];
+        sum += w->parallel ? -(double)p[a] * w->eye[a] : v * v;
+    }
+    return sum;
+}
+
+/* In memory of its own: `out` may be a device's, slow to read. */
+static enum stp_result sort_job(const struct stp_env *env, const struct walk *w, struct job j)
+{
+    size_t count = j.high - j.low;
+    uint64_t *key = mem_alloc(count, sizeof *key);
+    uint32_t *id = mem_alloc(count, sizeof *id);
+    enum stp_result result = STP_OK;
+    if (!key || !id)
+        result = log_no_memory(env, count * (sizeof *key + sizeof *id), "the order of splats");
+    for (size_t i = 0; i < count && result == STP_OK; i++) {
+        const struct bsp_node *n = &w->node[j.low + i];
+        key[i] = ~radix_ascending((float)distance(w, n->p)); /* a float's digits */
+        id[i] = n->id;
+    }
+    if (result == STP_OK)
+        result = radix_sort(env, count, key, id);
+    if (result == STP_OK)
+        memcpy(w->out + j.at, id, count * sizeof *id);
+    mem_free(key);
+    mem_free(id);
+    return result;
+}
+
+enum stp_result bsp_order(const struct stp_env *env, const struct cover_groups *groups,
+                          const double eye[4], uint32_t *out)
 {
     static const float origin[3];
     struct walk w = { .node = groups->node, .out = out, .parallel = eye[3] == 0 };
@@ -254,7 +309,12 @@ void bsp_order(const struct stp_env *env, const struct cover_groups *groups, con
     for (int d = 0; d < DIRECTIONS; d++)
         w.beyond[d] = below(origin, w.eye, d);
     for (unsigned k = 0; k < groups->groups; k++)
-        cut(&w, (struct job){ groups->first[k], groups->first[k + 1], groups->first[k] },
+        cut(&w, (struct job){ groups->first[k], groups->first[k + 1], groups->first[k], false },
             JOB_LEVELS);
     parallel_for(env, w.count, 1, run_jobs, &w);
+    enum stp_result result = STP_OK;
+    for (unsigned i = 0; i < w.count && result == STP_OK; i++)
+        if (w.job[i].by_distance)
+            result = sort_job(env, &w, w.job[i]);
+    return result;
 }

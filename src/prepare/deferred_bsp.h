@@ -14,9 +14,12 @@ enum stp_result bsp_build(const struct stp_env *env, const struct splats *splats
 
 /* Ids in back-to-front order as seen from `eye` (relative to the splats' origin; its last component
  * 1), group k's at out[first[k]]. Of two points on one ray the farther comes first. Of an
- * orthographic view, `eye` is the direction towards it, and the last component 0. Allocates
- * nothing. */
-void bsp_order(const struct stp_env *env, const struct cover_groups *groups, const double eye[4],
-               uint32_t *out);
+ * orthographic view, `eye` is the direction towards it, and the last component 0.
+ *
+ * What a plane near the root parts is ordered by distance instead where the plane is seen edge-on:
+ * a disc of a near sheet that reaches across it would come before what lies behind on its other
+ * side. Scratch memory: 24 bytes a member of such a part, none else. */
+enum stp_result bsp_order(const struct stp_env *env, const struct cover_groups *groups,
+                          const double eye[4], uint32_t *out);
 
 #endif

@@ -31,8 +31,11 @@ enum stp_result record_order(const struct stp_env *env, struct record_frame *fra
     uint32_t *order = gpu_fill_begin(env, buffer, members, sizeof *order, "the order of splats");
     if (!order)
         return STP_ERROR_MEMORY;
-    bsp_order(env, &scene->cover, eye, order);
-    return gpu_fill_end(env, frame->context, buffer, order, members * sizeof *order);
+    enum stp_result result = bsp_order(env, &scene->cover, eye, order);
+    if (result == STP_OK)
+        return gpu_fill_end(env, frame->context, buffer, order, members * sizeof *order);
+    gpu_fill_drop(buffer, order);
+    return result;
 }
 
 /* Behind the members that a frame orders: splats by their first groups, in canonical order. */

@@ -36,7 +36,7 @@ static struct cover_groups grouped(const struct splats *s, const size_t *size, u
 static uint32_t *ordered(const struct cover_groups *g, const double eye[4], unsigned threads)
 {
     uint32_t *out = malloc((g->first[g->groups] + 1) * sizeof *out);
-    bsp_order(&(struct stp_env){ .threads = threads }, g, eye, out);
+    assert_int_equal(bsp_order(&(struct stp_env){ .threads = threads }, g, eye, out), STP_OK);
     return out;
 }
 
@@ -189,6 +189,55 @@ static void parts_sheets(void **state)
         fail_msg("%.3f of the pairs at worst, %.3f in the mean", worst, sum);
 }
 
+/* A ball of radius 1 within a shell of radius 2, of discs of radius BALL_DISC each. */
+#define BALL      4000
+#define BALL_DISC 0.1
+static struct splats ball_in_shell(void)
+{
+    struct splats s = cloud_make(BALL);
+    for (size_t i = 0; i < BALL; i++) {
+        double z = 1 - (2 * (double)i + 1) / BALL, turn = (double)i * M_PI * (3 - sqrt(5));
+        double at = i % 2 ? 1 : 2, r = sqrt(1 - z * z), n[3] = { r * cos(turn), r * sin(turn), z };
+        for (int a = 0; a < 3; a++) {
+            s.position[i][a] = at * n[a];
+            s.normal[i][a] = (float)n[a];
+        }
+        s.radius[i] = BALL_DISC;
+    }
+    return s;
+}
+
+/* Symmetric, so that the first planes go through the middle, and seen along them. A disc that a
+ * plane cuts must not come before those behind it on the other side: of discs that overlap as seen
+ * along z, sheets apart, the farther comes first. */
+static void planes_seen_edge_on(void **state)
+{
+    const double eyes[][4] = { { 0, 0, 1, 0 }, { 0, 0, -3, 0 }, { 0, 0, 1e6, 1 } };
+    struct splats s = ball_in_shell();
+    struct cover_groups g = grouped(&s, &s.count, 1);
+    for (unsigned e = 0; e < 3; e++) {
+        uint32_t *out = ordered(&g, eyes[e], 2), place[BALL];
+        double sign = eyes[e][2] > 0 ? 1 : -1;
+        size_t pairs = 0;
+        check_permutation(&g, out);
+        for (uint32_t i = 0; i < BALL; i++)
+            place[out[i]] = i;
+        for (size_t i = 0; i < BALL; i++)
+            for (size_t j = 0; j < i; j++) {
+                const double *p = s.position[i], *q = s.position[j];
+                double gap = sign * (p[2] - q[2]);
+                if (hypot(p[0] - q[0], p[1] - q[1]) > 2 * BALL_DISC || fabs(gap) < 4 * BALL_DISC)
+                    continue;
+                pairs++;
+                assert_true((gap > 0) == (place[i] > place[j]));
+            }
+        assert_true(pairs > 10000);
+        free(out);
+    }
+    cover_groups_release(&g);
+    cloud_free(&s);
+}
+
 static void groups_and_threads(void **state)
 {
     const size_t sizes[] = { 0, 1, 2, 7000, 0, 3 };
@@ -223,6 +272,29 @@ static void every_allocation_may_fail(void **state)
     cloud_free(&s);
 }
 
+static void every_allocation_of_a_walk_may_fail(void **state)
+{
+    struct splats s = ball_in_shell();
+    struct cover_groups g = grouped(&s, &s.count, 1);
+    uint32_t out[BALL];
+    unsigned lines = 0;
+    struct stp_env env = { .log = silent, .user = &lines };
+    unsigned long n = 1;
+    for (;; n++) {
+        mem_fail_at(n);
+        enum stp_result result = bsp_order(&env, &g, (double[4]){ 0, 0, 1, 0 }, out);
+        mem_fail_at(0);
+        if (result == STP_OK)
+            break;
+        assert_int_equal(result, STP_ERROR_MEMORY);
+        assert_int_equal(lines, n);
+    }
+    assert_true(n > 2);
+    check_permutation(&g, out);
+    cover_groups_release(&g);
+    cloud_free(&s);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -231,6 +303,8 @@ int main(void)
         cmocka_unit_test(parts_sheets),
         cmocka_unit_test(groups_and_threads),
         cmocka_unit_test(every_allocation_may_fail),
+        cmocka_unit_test(every_allocation_of_a_walk_may_fail),
+        cmocka_unit_test(planes_seen_edge_on),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
