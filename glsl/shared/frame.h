@@ -114,10 +114,11 @@
 #define STP_WORK_OPEN          28 /* x y z count of blocks with such pixels */
 #define STP_WORK_REPAIR        8  /* x y z count of small splats that touch an overflowed block */
 #define STP_WORK_REPAIR_L      12
-#define STP_WORK_REPAIR_BLOCKS 16 /* x y z: the touched blocks again; else 0 */
+#define STP_WORK_REPAIR_BLOCKS 16 /* x y z: those blocks, then alone on the list; else 0 */
 #define STP_WORK_COLLECT       20 /* x y z: all splats, to find those; else 0 */
 #define STP_WORK_OVERFLOW      24 /* not 0: a pixel's slots overflowed */
 #define STP_WORK_REMAINING     25 /* not 0: rays that are being mended have layers left */
+#define STP_WORK_SEEK          28 /* x y z: all blocks, to find the overflowed; else 0 */
 /* Two-pass, which repairs nothing, with BINS: */
 #define STP_WORK_REST    20 /* x y z count of large splats that are not binned */
 #define STP_WORK_BINNED  8  /* x y z: workgroups, and count, of blocks that have lists */

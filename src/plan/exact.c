@@ -32,6 +32,10 @@ static void arm(struct stp_plan *plan, enum plan_shader clear_shader)
     pass->shader = PLAN_SHADER_EXACT_ARM;
     pass->groups = 1;
     plan_updates(plan, pass, PLAN_WORK);
+    pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, "repair blocks");
+    pass->shader = PLAN_SHADER_EXACT_BLOCKS;
+    pass->offset = STP_WORK_SEEK * 4;
+    plan_updates(plan, pass, PLAN_WORK);
     pass = repair_blocks(plan, "repair clear", clear_shader);
     plan_reads(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_COUNTS);

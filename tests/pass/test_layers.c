@@ -143,6 +143,36 @@ static void test_many_layers(void **state)
     }
 }
 
+/* A few deep blocks far from each other, mended alone: among blocks that are touched but hold every
+ * fragment, each is mended once, and nothing else. */
+static void test_deep_blocks_apart(void **state)
+{
+    const size_t deep = STP_SLOTS + 9;
+    struct stp_scene *scene = scene_make(4 * deep + 2, 1, 0.1);
+    struct stp_camera camera = flat_camera(120, 90, 20);
+    struct stp_render_params p = { .min_splat = -1, .aovs = STP_AOV_LAYERS };
+    for (size_t k = 0; k < 4 * deep; k++) {
+        double x = k % 2 ? -2.5 : 2.5, y = k / 2 % 2 ? -1.7 : 1.7, z = -5 - 0.11 * (double)(k / 4);
+        scene_fade(scene, scene_add(scene, v3(x, y, z), v3(0, 0, 1), 0.3), 0.05f);
+    }
+    for (int k = 0; k < 2; k++)
+        scene_fade(scene, scene_add(scene, v3(0, 0, -3 - k), v3(0, 0, 1), 6), 0.3f);
+    scene_finish(scene);
+    struct stp_image *image = device_render(&device, scene, &camera, &p);
+    const struct stp_channel *layers = stp_image_find(image, "layers");
+    unsigned found[3] = { 0 };
+    for (size_t i = 0; i < 120 * 90; i++) {
+        float n = layers->data.f[i];
+        found[0] += n == 2;
+        found[1] += n == (float)deep + 2;
+        found[2] += n != 2 && n != (float)deep + 2;
+    }
+    assert_true(found[0] > 9000 && found[1] > 300 && found[2] == 0);
+    stp_image_destroy(&image);
+    expect_exact(scene, &camera, p, "deep blocks apart");
+    stp_scene_destroy(&scene);
+}
+
 /* As two_sheets in test_layers of the reference. */
 static void test_two_sheets(void **state)
 {
@@ -259,15 +289,11 @@ static void test_all_invisible(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_views),
-        cmocka_unit_test(test_packed),
-        cmocka_unit_test(test_many_layers),
-        cmocka_unit_test(test_two_sheets),
-        cmocka_unit_test(test_opaque_among_many),
-        cmocka_unit_test(test_backgrounds),
-        cmocka_unit_test(test_same_bits),
-        cmocka_unit_test(test_samples),
-        cmocka_unit_test(test_all_invisible),
+        cmocka_unit_test(test_views),       cmocka_unit_test(test_packed),
+        cmocka_unit_test(test_many_layers), cmocka_unit_test(test_deep_blocks_apart),
+        cmocka_unit_test(test_two_sheets),  cmocka_unit_test(test_opaque_among_many),
+        cmocka_unit_test(test_backgrounds), cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_samples),     cmocka_unit_test(test_all_invisible),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }
