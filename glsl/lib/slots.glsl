@@ -1,6 +1,14 @@
 // The fragments that exact kept of a pixel, and sums of them in integers, so that the order in which
 // they came does not matter. Needs key.glsl and resolve.glsl.
 
+// LISTS: of pixels that have more fragments than slots, which would overflow 32-bit sums.
+#ifdef LISTS
+#define SUM  int64_t
+#define SUM3 i64vec3
+#else
+#define SUM  int
+#define SUM3 ivec3
+#endif
 const float UNIT = 16777216.0, COLOR_UNIT = 4096.0; // 64 fragments: below 2^31, and 2^63
 const float ALPHA_UNIT = 1099511627776.0; // 2^40: an opacity of 1e-6 keeps its own
 
@@ -38,8 +46,8 @@ struct Term {
 };
 
 struct Sums {
-    int weight, depth;
-    ivec3 normal;
+    SUM weight, depth;
+    SUM3 normal;
     i64vec3 albedo;
     int64_t alpha;
     uint fragments;
@@ -49,12 +57,22 @@ struct Sums {
 const Slot SLOT_NONE = Slot(uvec2(~0u), ~0u);
 const Rank RANK_NONE = Rank(NEVER, ~0u);
 const Term TERM_NONE = Term(RANK_NONE, 0, 0, ivec3(0), i64vec3(0), 0l);
-const Sums SUMS_NONE = Sums(0, 0, ivec3(0), i64vec3(0), 0l, 0, 0);
+const Sums SUMS_NONE = Sums(SUM(0), SUM(0), SUM3(0), i64vec3(0), 0l, 0, 0);
 
-Slot slot_read(uint pixel, uint i, bool present)
+// home: the pixel; of a list its first slot.
+uint slot_at(uint home, uint i)
+{
+#ifdef LISTS
+    return home + i;
+#else
+    return slot_index(home, i);
+#endif
+}
+
+Slot slot_read(uint home, uint i, bool present)
 {
     Slot slot = SLOT_NONE;
-    uint at = slot_index(pixel, i);
+    uint at = slot_at(home, i);
 #ifdef FETCHED
     slot.key = texelFetch(slot_texels, int(at)).xy;
     if (KEY_IDS)

@@ -4,6 +4,7 @@
 // are few; a turn of mending would else go over the whole picture.
 #include "lib/common.glsl"
 #include "lib/pixel.glsl"
+#include "lib/lists.glsl"
 layout(local_size_x = STP_GROUP) in;
 
 #ifdef OVERFLOWED
@@ -22,6 +23,19 @@ bool listed(uint block)
 #endif
 }
 
+#ifdef OVERFLOWED
+// The fragments of its deep pixels, which exact_place finds room for.
+void count_deep(uint block)
+{
+    uint sum = 0;
+    for (uint i = 0; i < STP_GROUP; i++) {
+        uint pixel = block * STP_GROUP + i;
+        sum += deep(pixel) ? frame.counts.v[pixel] : 0;
+    }
+    frame.work.v[list_block(block)] = sum;
+}
+#endif
+
 void main()
 {
     uint block = workgroup_index() * STP_GROUP + gl_LocalInvocationIndex, count = frame.blocks_x * frame.blocks_y;
@@ -31,4 +45,8 @@ void main()
     atomicMax(frame.work.v[ARGUMENTS], min(slot + 1, STP_ROW));
     atomicMax(frame.work.v[ARGUMENTS + 1], slot / STP_ROW + 1);
     frame.work.v[STP_WORK_FLAGS + count + slot] = block;
+#ifdef OVERFLOWED
+    if (OPACITY != 0)
+        count_deep(block);
+#endif
 }

@@ -2,7 +2,8 @@
 #extension GL_GOOGLE_include_directive : require
 // The fragments of a pixel, cut into layers and composited from the front (docs/transparency.md).
 // Nothing is sorted: a sweep over the slots sums the layer that starts at the nearest fragment left,
-// and finds where the next one starts. Overflowed pixels are left to the repair passes.
+// and finds where the next one starts. LISTS: of the pixels that overflowed their slots and have lists;
+// what has neither is left to the mending passes.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
@@ -10,6 +11,9 @@
 #include "lib/shade.glsl"
 #include "lib/slots.glsl"
 #include "lib/layers.glsl"
+#ifdef LISTS
+#include "lib/lists.glsl"
+#endif
 
 // The first terms are made once and kept in registers.
 const uint KEPT = 16;
@@ -61,41 +65,55 @@ Sweep sweep_start(Rank next, Rank wall, out float epsilon)
 
 // A fragment made again by its id is much code: one copy of it, in turns, and no index that varies
 // on registers.
-void keep_by_id(out Term kept[KEPT], uint pixel, uint count, uvec2 p)
+void keep_by_id(out Term kept[KEPT], uint home, uint count, uvec2 p)
 {
     [[unroll]] for (uint k = 0; k < KEPT; k++)
         kept[k] = TERM_NONE;
     for (uint i = 0; i < min(count, KEPT); i++) {
-        Term term = slot_term(slot_read(pixel, i, true), true, p);
+        Term term = slot_term(slot_read(home, i, true), true, p);
         [[unroll]] for (uint k = 0; k < KEPT; k++)
             if (k == i)
                 kept[k] = term;
     }
 }
 
+#ifdef LISTS
+bool fragments_of(uint pixel, out uint home, out uint count)
+{
+    uvec2 list = unpackUint2x32(frame.keys.v[list_word(pixel)]);
+    home = list_begin() + list.y;
+    count = min(list.x, frame.counts.v[pixel]);
+    return list_has(pixel);
+}
+#else
+bool fragments_of(uint pixel, out uint home, out uint count)
+{
+    home = pixel;
+    count = frame.counts.v[pixel];
+    return !slots_overflowed(pixel, count);
+}
+#endif
+
 void main()
 {
     uvec2 p;
-    uint pixel;
-    if (!resolve_pixel(p, pixel))
-        return;
-    uint count = frame.counts.v[pixel];
-    if (slots_overflowed(pixel, count))
+    uint pixel, home, count;
+    if (!resolve_pixel(p, pixel) || !fragments_of(pixel, home, count))
         return;
     Term kept[KEPT];
     Rank next = RANK_NONE, wall = RANK_NONE;
     if (PACKED) {
         [[unroll]] for (uint i = 0; i < KEPT; i++) {
-            kept[i] = slot_term(slot_read(pixel, i, i < count), i < count, p);
+            kept[i] = slot_term(slot_read(home, i, i < count), i < count, p);
             find_first(next, wall, kept[i].rank);
         }
     } else {
-        keep_by_id(kept, pixel, count, p);
+        keep_by_id(kept, home, count, p);
         [[unroll]] for (uint i = 0; i < KEPT; i++)
             find_first(next, wall, kept[i].rank);
     }
     for (uint i = KEPT; i < count; i++)
-        find_first(next, wall, slot_rank(slot_read(pixel, i, true), true));
+        find_first(next, wall, slot_rank(slot_read(home, i, true), true));
     Ray ray = RAY_START;
     while (next.depth < NEVER || wall.depth < NEVER) {
         float epsilon;
@@ -103,7 +121,7 @@ void main()
         [[unroll]] for (uint i = 0; i < KEPT; i++)
             sweep_term(s, kept[i]);
         for (uint i = KEPT; i < count; i++)
-            sweep_term(s, slot_term(slot_read(pixel, i, true), true, p));
+            sweep_term(s, slot_term(slot_read(home, i, true), true, p));
         float alpha = OPACITY == 1 ? frame.opacity : sums_alpha(s.sums, rank_id(s.near));
         ray_layer(ray, p, sums_surface(s.sums, s.near, epsilon), s.solid ? 1 : alpha);
         next.depth = s.solid ? NEVER : s.next.depth;

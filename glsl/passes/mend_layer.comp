@@ -109,8 +109,18 @@ bool advance(uint pixel)
 }
 
 #ifdef CLEAR
+// Places within a block go to whichever pixel asks first: its list's sums are the same anywhere.
+uint list_place(uint pixel)
+{
+    uint word = list_block(pixel / STP_GROUP);
+    if (frame.work.v[word] == STP_LIST_NONE)
+        return STP_LIST_NONE;
+    return atomicAdd(frame.work.v[word], frame.counts.v[pixel]);
+}
+
 void turn(uint pixel, uvec2 p)
 {
+    frame.keys.v[list_word(pixel)] = packUint2x32(uvec2(0, list_place(pixel)));
     for (uint i = MEND_NOW; i <= MEND_WALL; i++)
         frame.keys.v[mend_at(pixel, i)] = STP_SUMS_NONE;
     ray_store(pixel, RAY_START);
@@ -146,6 +156,10 @@ void main()
 {
     uvec2 p;
     uint pixel;
+#ifdef CLEAR
+    if (resolve_pixel(p, pixel) && deep(pixel))
+#else
     if (resolve_pixel(p, pixel) && !mend_skip(pixel))
+#endif
         turn(pixel, p);
 }

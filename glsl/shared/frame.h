@@ -41,6 +41,9 @@
 #define STP_BIN_CLIPPED        10
 #define STP_ROW                32768u /* workgroups along x; more go along y */
 #define STP_SLOTS              64 /* fragments a pixel that `exact` keeps before its second way */
+#define STP_LIST_SLOTS         4  /* a pixel in the mean, behind all slots: lists of deep pixels */
+#define STP_LIST_SHARE         8  /* a block takes at most one of so many parts of them */
+#define STP_LIST_NONE          0xffffffffu
 #define STP_SUM_WORDS          10 /* 64-bit words of a pixel's fixed-point sums */
 #define STP_SUM_WORDS_PLAIN    6  /* without colours and fragments */
 #define STP_LIGHTS             8
@@ -123,7 +126,8 @@
 #define STP_WORK_REST    20 /* x y z count of large splats that are not binned */
 #define STP_WORK_BINNED  8  /* x y z: workgroups, and count, of blocks that have lists */
 #define STP_WORK_ENTRIES 24 /* of those lists, handed out */
-/* A word a block. Then the list of touched blocks; with BINS the heads of the blocks' lists (the
+/* A word a block. Then the list of touched blocks; of layers, how many fragments the deep pixels of
+ * a block have, then the place of their next list; with BINS the heads of the blocks' lists (the
  * first entry + 1), and the list of the blocks that have one. Pyramid: then two words a block, a
  * bit for each open pixel; then three lists. */
 #define STP_WORK_FLAGS       32

@@ -1,6 +1,7 @@
-/* Every fragment in one geometry pass, resolved exactly. A pixel with more fragments than slots is
- * summed again, over the very memory of its slots and from only the splats that touch its block: by
- * the two-pass code, or, where there are layers, once a layer. Those passes are dispatched
+/* Every fragment in one geometry pass, resolved exactly. Of a pixel with more fragments than slots
+ * only the splats that touch its block are drawn again. Opaque, it is summed by the two-pass code,
+ * over the very memory of its slots. Where there are layers its fragments go to a list behind all
+ * slots, as far as there is room; else they are summed once a layer. Those passes are dispatched
  * indirectly and do nothing when no pixel overflowed. */
 #include "plan/offer.h"
 
@@ -15,6 +16,14 @@ static struct plan_pass *repair_blocks(struct stp_plan *plan, const char *name,
     return pass;
 }
 
+static void one_group(struct stp_plan *plan, const char *name, enum plan_shader shader)
+{
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
+    pass->shader = shader;
+    pass->groups = 1;
+    plan_updates(plan, pass, PLAN_WORK);
+}
+
 /* The splats that a repair draws: those that touch a block with an overflowed pixel. */
 static void collect(struct stp_plan *plan)
 {
@@ -26,18 +35,19 @@ static void collect(struct stp_plan *plan)
     plan_writes(plan, pass, PLAN_LARGE);
 }
 
-static void arm(struct stp_plan *plan, enum plan_shader clear_shader)
+static void arm(struct stp_plan *plan, bool layers)
 {
-    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "arm repair");
-    pass->shader = PLAN_SHADER_EXACT_ARM;
-    pass->groups = 1;
-    plan_updates(plan, pass, PLAN_WORK);
-    pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, "repair blocks");
+    one_group(plan, "arm repair", PLAN_SHADER_EXACT_ARM);
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH_INDIRECT, "repair blocks");
     pass->shader = PLAN_SHADER_EXACT_BLOCKS;
     pass->offset = STP_WORK_SEEK * 4;
     plan_updates(plan, pass, PLAN_WORK);
-    pass = repair_blocks(plan, "repair clear", clear_shader);
-    plan_reads(plan, pass, PLAN_WORK);
+    if (layers) {
+        plan_reads(plan, pass, PLAN_COUNTS);
+        one_group(plan, "place lists", PLAN_SHADER_EXACT_PLACE);
+    }
+    pass = repair_blocks(plan, "repair clear", layers ? PLAN_SHADER_MEND_CLEAR : PLAN_SHADER_EXACT_CLEAR);
+    plan_updates(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_COUNTS);
     plan_updates(plan, pass, PLAN_KEYS);
 }
@@ -46,7 +56,7 @@ static void repair(struct stp_plan *plan)
 {
     bool atomic64 = plan->constant[PLAN_ATOMIC64] != 0;
     const enum plan_slot touched[] = { PLAN_KEYS, PLAN_COUNTS, PLAN_SLOTS };
-    arm(plan, PLAN_SHADER_EXACT_CLEAR);
+    arm(plan, false);
     collect(plan);
     if (atomic64) {
         plan_splat(plan, "repair depth", PLAN_SHADER_TWOPASS_DEPTH_LISTED,
@@ -73,20 +83,27 @@ static void mend_pixels(struct stp_plan *plan, const char *name, enum plan_shade
     plan_updates(plan, pass, PLAN_KEYS);
 }
 
-/* Layers of the pixels whose fragments overflowed their slots: a turn of the loop a layer. */
+/* Layers of the pixels whose fragments overflowed their slots, from lists. */
+static void lists(struct stp_plan *plan, bool fetched)
+{
+    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_SLOT_IDS, PLAN_COUNTS, PLAN_SLOTS };
+    plan_splat(plan, "list slots", PLAN_SHADER_EXACT_LISTS, PLAN_SHADER_EXACT_LISTS_LARGE, true,
+               touched);
+    plan_resolve(plan, "list layers", PLAN_SHADER_EXACT_LIST_LAYERS + fetched, true, touched);
+    plan->pass[plan->pass_count - 1].offset = STP_WORK_REPAIR_BLOCKS * 4;
+    plan_deep_write(plan);
+}
+
+/* Layers of those that found no room for lists: a turn of the loop a layer. */
 static void mend(struct stp_plan *plan)
 {
     const enum plan_slot touched[] = { PLAN_KEYS, PLAN_COUNTS, PLAN_SLOTS };
-    arm(plan, PLAN_SHADER_MEND_CLEAR);
-    collect(plan);
+    one_group(plan, "arm mending", PLAN_SHADER_MEND_TURN);
     plan_splat(plan, "mend find", PLAN_SHADER_MEND_FIND, PLAN_SHADER_MEND_FIND_LARGE, true,
                touched);
     mend_pixels(plan, "mend first", PLAN_SHADER_MEND_FIRST);
     plan->loop_first = plan->pass_count;
-    struct plan_pass *turn = plan_pass(plan, PLAN_DISPATCH, "mend turn");
-    turn->shader = PLAN_SHADER_MEND_TURN;
-    turn->groups = 1;
-    plan_updates(plan, turn, PLAN_WORK);
+    one_group(plan, "mend turn", PLAN_SHADER_MEND_TURN);
     plan_splat(plan, "mend sum", PLAN_SHADER_MEND_SUM, PLAN_SHADER_MEND_SUM_LARGE, true, touched);
     plan_resolve(plan, "mend layer", PLAN_SHADER_MEND_LAYER, true, touched);
     plan->pass[plan->pass_count - 1].offset = STP_WORK_REPAIR_BLOCKS * 4;
@@ -95,14 +112,14 @@ static void mend(struct stp_plan *plan)
 
 void plan_exact(struct stp_plan *plan)
 {
-    uint64_t pixels = plan_pixels(plan);
+    bool layers = plan->transparency == STP_TRANSPARENCY_EXACT;
+    uint64_t pixels = plan_pixels(plan), most = pixels * (STP_SLOTS + (layers ? STP_LIST_SLOTS : 0));
     bool fetched = (plan->limits.features & STP_FEATURE_TEXEL_BUFFERS) != 0;
-    uint8_t slots = plan_resource(plan, "slots", PLAN_KEYS, PLAN_TRANSIENT, pixels * STP_SLOTS * 8);
+    uint8_t slots = plan_resource(plan, "slots", PLAN_KEYS, PLAN_TRANSIENT, most * 8);
     plan->resource[slots].format = fetched ? PLAN_TEXELS_RG32UI : PLAN_BUFFER;
     plan_resource(plan, "counts", PLAN_COUNTS, PLAN_TRANSIENT, pixels * 4);
     if (plan->constant[PLAN_KEY_IDS]) {
-        slots =
-            plan_resource(plan, "slot ids", PLAN_SLOT_IDS, PLAN_TRANSIENT, pixels * STP_SLOTS * 4);
+        slots = plan_resource(plan, "slot ids", PLAN_SLOT_IDS, PLAN_TRANSIENT, most * 4);
         plan->resource[slots].format = fetched ? PLAN_TEXELS_R32UI : PLAN_BUFFER;
     }
     plan_fill(plan, PLAN_COUNTS, 0, "clear counts");
@@ -111,9 +128,12 @@ void plan_exact(struct stp_plan *plan)
     plan_splat(plan, "slots", PLAN_SHADER_EXACT_SLOTS, PLAN_SHADER_EXACT_SLOTS_LARGE, false,
                touched);
     plan_blocks(plan);
-    if (plan->transparency == STP_TRANSPARENCY_EXACT) {
+    if (layers) {
         plan_resolve(plan, "layers", PLAN_SHADER_EXACT_LAYERS + fetched, false, touched);
         plan_deep_write(plan);
+        arm(plan, true);
+        collect(plan);
+        lists(plan, fetched);
         mend(plan);
         return;
     }

@@ -74,6 +74,7 @@ static void clear_outputs(struct stp_plan *plan)
 static void compute_resources(struct stp_plan *plan)
 {
     uint64_t blocks = plan_pixels(plan) / STP_GROUP, words = plan->constant[PLAN_BINS] ? 4 : 2;
+    words += plan->transparency == STP_TRANSPARENCY_EXACT; /* and BINS are two-pass's */
     plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + words * blocks) * 4);
     uint64_t lists = plan->method == STP_METHOD_EXACT ? 2 : 1; /* large, and to repair */
     plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, plan_splats(plan) * 4 * lists);
