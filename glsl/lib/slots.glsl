@@ -5,12 +5,16 @@
 #ifdef LISTS
 #define SUM  int64_t
 #define SUM3 i64vec3
+#define SUM4 i64vec4
 #else
 #define SUM  int
 #define SUM3 ivec3
+#define SUM4 ivec4
 #endif
-const float UNIT = 16777216.0, COLOR_UNIT = 4096.0; // 64 fragments: below 2^31, and 2^63
-const float ALPHA_UNIT = 1099511627776.0; // 2^40: an opacity of 1e-6 keeps its own
+const float UNIT = 16777216.0; // 64 fragments: below 2^31
+// Colour and opacity are finer, 2^40: an opacity of 1e-6 keeps its own. They come in two parts that
+// each fit a word, since a software device converts and adds words eight at a time.
+const float ALPHA_UNIT = 1099511627776.0, PART = 1048576.0;
 
 // Of a slot's id word: the splat is opaque, where not all are.
 const uint SLOT_OPAQUE = 0x80000000u;
@@ -41,23 +45,21 @@ struct Term {
     uint encoded; // the normal, in 28 bits
     int weight;   // in UNITs, as the rest, which is multiplied with it
     ivec3 normal;
-    i64vec3 albedo; // in COLOR_UNITs
-    int64_t alpha;  // in ALPHA_UNITs
+    ivec4 high, low; // colour in units of color_scale, opacity in ALPHA_UNITs; high: PARTs of them
 };
 
 struct Sums {
     SUM weight, depth;
     SUM3 normal;
-    i64vec3 albedo;
-    int64_t alpha;
+    SUM4 high, low;
     uint fragments;
     uint near_encoded; // the normal of the nearest
 };
 
 const Slot SLOT_NONE = Slot(uvec2(~0u), ~0u);
 const Rank RANK_NONE = Rank(NEVER, ~0u);
-const Term TERM_NONE = Term(RANK_NONE, 0, 0, ivec3(0), i64vec3(0), 0l);
-const Sums SUMS_NONE = Sums(SUM(0), SUM(0), SUM3(0), i64vec3(0), 0l, 0, 0);
+const Term TERM_NONE = Term(RANK_NONE, 0, 0, ivec3(0), ivec4(0), ivec4(0));
+const Sums SUMS_NONE = Sums(SUM(0), SUM(0), SUM3(0), SUM4(0), SUM4(0), 0, 0);
 
 // home: the pixel; of a list its first slot.
 uint slot_at(uint home, uint i)
@@ -137,12 +139,15 @@ Term slot_term(Slot slot, bool present, uvec2 p)
     float w = kernel_weight(rho2);
     t.weight = int(round(w * UNIT));
     t.normal = ivec3(round(n * (w * UNIT)));
-    t.albedo = i64vec3(0);
-    t.alpha = 0;
+    vec4 fine = vec4(0);
     if (HAS_COLOR)
-        t.albedo = i64vec3(round(frame.colors.v[known] * (w * COLOR_UNIT * frame.color_scale)));
+        fine.rgb = frame.colors.v[known] * (w * frame.color_scale);
     if (OPACITY == 2)
-        t.alpha = int64_t(round(splat_opacity(known) * (w * ALPHA_UNIT)));
+        fine.a = splat_opacity(known) * (w * ALPHA_UNIT);
+    fine = round(fine);
+    vec4 high = floor(fine / PART);
+    t.high = ivec4(high);
+    t.low = ivec4(fine - high * PART);
     return t;
 }
 
@@ -154,14 +159,23 @@ void sums_take(inout Sums s, bool counts, Term t, Rank near, float part)
     s.weight += t.weight & kept;
     s.normal += t.normal & ivec3(kept);
     s.depth += depth & kept;
-    if (HAS_COLOR)
-        s.albedo += counts ? t.albedo : i64vec3(0);
-    if (OPACITY == 2)
-        s.alpha += counts ? t.alpha : 0l;
+    if (HAS_COLOR) {
+        s.high.rgb += t.high.rgb & ivec3(kept);
+        s.low.rgb += t.low.rgb & ivec3(kept);
+    }
+    if (OPACITY == 2) {
+        s.high.a += t.high.a & kept;
+        s.low.a += t.low.a & kept;
+    }
     if ((AOVS & 2) != 0)
         s.fragments -= kept;
     if (KEY_IDS || !PACKED) // a slot that holds nothing may show an older frame's id
         s.near_encoded = counts && t.rank.low == near.low ? t.encoded : s.near_encoded;
+}
+
+i64vec4 sums_fine(Sums sums)
+{
+    return i64vec4(sums.high) * int64_t(PART) + i64vec4(sums.low);
 }
 
 // Their opacity; where the weights vanish, that of the nearest.
@@ -169,7 +183,7 @@ float sums_alpha(Sums sums, uint near_id)
 {
     if (sums.weight == 0)
         return splat_opacity(near_id);
-    return float(sums.alpha) / (float(sums.weight) * (ALPHA_UNIT / UNIT));
+    return float(sums_fine(sums).a) / (float(sums.weight) * (ALPHA_UNIT / UNIT));
 }
 
 // epsilon: in the units of depths.
@@ -185,7 +199,7 @@ Surface sums_surface(Sums sums, Rank near, float epsilon)
     s.near_depth = PACKED ? depth_restore(uint(near.depth)) : near.depth;
     float unit = PACKED ? frame.depth_scale : 1.0;
     s.depth = s.near_depth + float(sums.depth) / weight * (epsilon / unit);
-    s.albedo = vec3(sums.albedo) / (COLOR_UNIT * frame.color_scale);
+    s.albedo = vec3(sums_fine(sums).rgb) / frame.color_scale;
     return s;
 }
 
