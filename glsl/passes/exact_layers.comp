@@ -27,17 +27,30 @@ struct Sweep {
     Sums sums;
 };
 
-void sweep_term(inout Sweep s, Term t)
+// True: the layer has it.
+bool sweep_rank(inout Sweep s, Rank rank)
 {
-    float depth = t.rank.depth;
+    float depth = rank.depth;
     bool counts = clamp(depth, s.near.depth, s.end) == depth, later = depth > s.end;
     if (MIXED) {
-        bool ours = rank_opaque(t.rank) == s.solid && (s.solid || depth < s.wall);
+        bool ours = rank_opaque(rank) == s.solid && (s.solid || depth < s.wall);
         counts = counts && ours;
         later = later && ours;
     }
-    rank_min(s.next, Rank(later ? depth : NEVER, t.rank.low));
+    rank_min(s.next, Rank(later ? depth : NEVER, rank.low));
+    return counts;
+}
+
+void sweep_term(inout Sweep s, Term t)
+{
+    bool counts = sweep_rank(s, t.rank);
     sums_take(s.sums, counts, t, s.near, s.part);
+}
+
+void sweep_slot(inout Sweep s, Slot slot, uvec2 p)
+{
+    if (sweep_rank(s, slot_rank(slot, true)))
+        sums_take(s.sums, true, slot_term(slot, true, p), s.near, s.part);
 }
 
 void find_first(inout Rank next, inout Rank wall, Rank rank)
@@ -121,7 +134,7 @@ void main()
         [[unroll]] for (uint i = 0; i < KEPT; i++)
             sweep_term(s, kept[i]);
         for (uint i = KEPT; i < count; i++)
-            sweep_term(s, slot_term(slot_read(home, i, true), true, p));
+            sweep_slot(s, slot_read(home, i, true), p);
         float alpha = OPACITY == 1 ? frame.opacity : sums_alpha(s.sums, rank_id(s.near));
         ray_layer(ray, p, sums_surface(s.sums, s.near, epsilon), s.solid ? 1 : alpha);
         next.depth = s.solid ? NEVER : s.next.depth;
