@@ -173,9 +173,9 @@ void sums_take(inout Sums s, bool counts, Term t, Rank near, float part)
         s.near_encoded = counts && t.rank.low == near.low ? t.encoded : s.near_encoded;
 }
 
-i64vec4 sums_fine(Sums sums)
+vec4 sums_fine(Sums sums)
 {
-    return i64vec4(sums.high) * int64_t(PART) + i64vec4(sums.low);
+    return vec4(sums.high) * PART + vec4(sums.low);
 }
 
 // Their opacity; where the weights vanish, that of the nearest.
@@ -183,7 +183,7 @@ float sums_alpha(Sums sums, uint near_id)
 {
     if (sums.weight == 0)
         return splat_opacity(near_id);
-    return float(sums_fine(sums).a) / (float(sums.weight) * (ALPHA_UNIT / UNIT));
+    return sums_fine(sums).a / (float(sums.weight) * (ALPHA_UNIT / UNIT));
 }
 
 // epsilon: in the units of depths.
@@ -199,7 +199,7 @@ Surface sums_surface(Sums sums, Rank near, float epsilon)
     s.near_depth = PACKED ? depth_restore(uint(near.depth)) : near.depth;
     float unit = PACKED ? frame.depth_scale : 1.0;
     s.depth = s.near_depth + float(sums.depth) / weight * (epsilon / unit);
-    s.albedo = vec3(sums_fine(sums).rgb) / frame.color_scale;
+    s.albedo = sums_fine(sums).rgb / frame.color_scale;
     return s;
 }
 
