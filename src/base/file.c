@@ -6,7 +6,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -148,103 +147,4 @@ void file_release(struct file_bytes *bytes)
     else if (bytes->inflated)
         mem_free((void *)bytes->data);
     *bytes = (struct file_bytes){ 0 };
-}
-
-#define WILD  6   /* characters of a temporary's name that are filled in */
-#define TRIES 256 /* names that are taken before it gives up */
-
-/* One of 36^6 names: the process, the thread's stack, the moment and the try decide which. */
-static void fill_name(char *wild, unsigned attempt)
-{
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789";
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    uint64_t bits = (uint64_t)now.tv_nsec ^ (uint64_t)now.tv_sec << 30 ^ (uint64_t)getpid() << 40 ^
-                    (uint64_t)(uintptr_t)&now ^ attempt;
-    for (int i = 0; i < WILD; i++) {
-        bits = bits * 6364136223846793005u + 1442695040888963407u;
-        wild[i] = letters[(bits >> 33) % 36];
-    }
-}
-
-/* `path` ends in the WILD characters. The file has the rights of any new one, by the process's
- * mask: that belongs to every thread, so it is neither asked nor touched. -1: errno says why. */
-static int open_new(char *path)
-{
-    char *wild = path + strlen(path) - WILD;
-    for (unsigned i = 0; i < TRIES; i++) {
-        fill_name(wild, i);
-        int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (fd >= 0 || errno != EEXIST)
-            return fd;
-    }
-    return -1;
-}
-
-enum stp_result file_begin(const struct stp_env *env, const char *path, struct file_output *out)
-{
-    struct file_output begun = { 0 };
-    size_t length = strlen(path) + 16;
-    begun.path = mem_alloc(length, 1);
-    begun.temporary = mem_zalloc(length, 1); /* "": there is nothing to remove yet */
-    if (!begun.path || !begun.temporary) {
-        file_abandon(&begun);
-        return log_no_memory(env, length, path);
-    }
-    strcpy(begun.path, path);
-    snprintf(begun.temporary, length, "%s.XXXXXX", path);
-    int fd = open_new(begun.temporary);
-    if (fd < 0) {
-        begun.temporary[0] = 0;
-        enum stp_result result = io_error(env, path, "write");
-        file_abandon(&begun);
-        return result;
-    }
-    begun.stream = fdopen(fd, "wb");
-    if (!begun.stream) {
-        enum stp_result result = io_error(env, path, "write");
-        close(fd);
-        file_abandon(&begun);
-        return result;
-    }
-    *out = begun;
-    return STP_OK;
-}
-
-enum stp_result file_commit(const struct stp_env *env, struct file_output *out)
-{
-    bool whole = fflush(out->stream) == 0 && !ferror(out->stream);
-    whole = fclose(out->stream) == 0 && whole;
-    out->stream = NULL;
-    if (whole && rename(out->temporary, out->path) == 0) {
-        out->temporary[0] = 0;
-        file_abandon(out);
-        return STP_OK;
-    }
-    enum stp_result result = io_error(env, out->path, "write");
-    file_abandon(out);
-    return result;
-}
-
-void file_abandon(struct file_output *out)
-{
-    int error = errno;
-    if (out->stream)
-        fclose(out->stream);
-    if (out->temporary && out->temporary[0])
-        unlink(out->temporary);
-    mem_free(out->path);
-    mem_free(out->temporary);
-    *out = (struct file_output){ 0 };
-    errno = error;
-}
-
-enum stp_result stp_text_save(const struct stp_env *env, const char *path, const char *text)
-{
-    struct file_output out;
-    enum stp_result result = file_begin(env, path, &out);
-    if (result != STP_OK)
-        return result;
-    fprintf(out.stream, "%s\n", text);
-    return file_commit(env, &out);
 }
