@@ -10,6 +10,7 @@
 #include <ImfChannelList.h>
 #include <ImfHeader.h>
 #include <ImfIO.h>
+#include <ImfMultiPartInputFile.h>
 
 #include "base/file.h"
 
@@ -47,6 +48,16 @@ class ExrBytes : public Imf::IStream
     const unsigned char *data;
     uint64_t size, at;
 };
+
+// Of several parts the first is read, which is said.
+inline void exr_warn_of_parts(const struct stp_env *env, const char *path,
+                              const Imf::MultiPartInputFile &file)
+{
+    const Imf::Header &header = file.header(0);
+    if (file.parts() > 1)
+        log_warning(env, "%s: of its %d parts only the first is read: \"%s\"", path, file.parts(),
+                    header.hasName() ? header.name().c_str() : "");
+}
 
 // What `read` returns, or, of an exception, which leaves no file, what it means.
 template <typename Read>
