@@ -148,6 +148,25 @@ static int group_if_needed(struct console *console, const struct settings *setti
     return EXIT_FAILED;
 }
 
+/* Options of groups where nothing is grouped. */
+static void tell_unused(struct console *console, const struct settings *settings,
+                        const struct stp_scene *scene, const struct stp_limits *limits)
+{
+    const struct stp_facts *facts = stp_scene_facts(scene);
+    bool groups = stp_plan_needs_groups(facts, &settings->render, limits);
+    bool cover = stp_plan_needs_cover(facts, &settings->render, limits);
+    bool overlap = option_given(settings, "overlap") && !groups;
+    bool relax = option_given(settings, "relax") && !groups;
+    bool most = option_given(settings, "groups") && !groups && !cover;
+    if (!console->told_unused && (overlap || relax || most))
+        console_warning(console, "%s no effect: only --method deferred groups splats, opaque ones",
+                        overlap + relax + most > 1 ? "--overlap, --relax and --groups have"
+                        : overlap                  ? "--overlap has"
+                        : relax                    ? "--relax has"
+                                                   : "--groups has");
+    console->told_unused = true;
+}
+
 int choose_way(struct console *console, const struct settings *settings, struct stp_scene *scene,
                const struct stp_camera *camera, const struct stp_limits *limits,
                struct stp_choice *choice)
@@ -159,5 +178,8 @@ int choose_way(struct console *console, const struct settings *settings, struct 
         stp_choose(&console->env, scene, camera, &settings->group, render, limits, choice) !=
             STP_OK)
         return EXIT_FAILED;
-    return choice->count ? EXIT_DONE : group_if_needed(console, settings, scene, limits);
+    if (choice->count)
+        return EXIT_DONE;
+    tell_unused(console, settings, scene, limits);
+    return group_if_needed(console, settings, scene, limits);
 }

@@ -23,6 +23,11 @@ static enum stp_result map_file(const struct stp_env *env, const char *path, int
     struct stat st;
     if (fstat(fd, &st) != 0)
         return io_error(env, path, "stat");
+    if (S_ISFIFO(st.st_mode) || S_ISSOCK(st.st_mode) || S_ISCHR(st.st_mode))
+        return log_error(env, STP_ERROR_IO,
+                         "%s: a pipe, a socket or a device; only files are read: write it to one "
+                         "first",
+                         path);
     if (!S_ISREG(st.st_mode))
         return log_error(env, STP_ERROR_IO, "%s: not a regular file", path);
     *bytes = (struct file_bytes){ .size = (size_t)st.st_size };
