@@ -91,7 +91,7 @@ enum stp_result environment_read_exr(const struct stp_env *env, const char *path
 {
     struct environment_map read = {};
     enum stp_result result =
-        exr_guarded(env, path, [&] { return read_file(env, path, bytes, &read); });
+        exr_guarded(env, path, bytes, [&] { return read_file(env, path, bytes, &read); });
     if (result == STP_OK)
         *map = read;
     else

@@ -78,7 +78,7 @@ enum stp_result range_read_exr(const struct stp_env *env, const char *path,
 {
     struct range_image read = {};
     enum stp_result result =
-        exr_guarded(env, path, [&] { return read_file(env, path, bytes, plane, &read); });
+        exr_guarded(env, path, bytes, [&] { return read_file(env, path, bytes, plane, &read); });
     if (result == STP_OK)
         *image = read;
     else

@@ -1,6 +1,7 @@
 // OpenEXR maps written here by its C++ library in every way that a map comes: the lossy
 // compressions that the C core lacks, tiles, halves, grey, windows off the origin; and what is
 // refused.
+#include <algorithm>
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -249,6 +250,42 @@ static void test_refused(void **)
     expect_refused(scratch.path, "deep EXR");
 }
 
+/* An attribute that claims more bytes than the file has is named; the library would take the room.
+ */
+static void test_huge_attribute(void **)
+{
+    Scratch scratch;
+    {
+        std::vector<float> data;
+        Imf::Header header = make_header(at_origin, Imf::ZIP_COMPRESSION, rgb);
+        Imf::addComments(header, "no more than this");
+        Imf::OutputFile file(scratch.path.c_str(), header);
+        file.setFrameBuffer(slices(data, at_origin, rgb));
+        file.writePixels(H);
+    }
+    expect_map(scratch.path, 0, false);
+    std::vector<char> bytes(1 << 16);
+    FILE *file = std::fopen(scratch.path.c_str(), "rb");
+    bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file));
+    std::fclose(file);
+    static const char head[] = "comments\0string";
+    auto at = std::search(bytes.begin(), bytes.end(), head, head + sizeof head);
+    assert_true(at != bytes.end());
+    at[sizeof head + 3] = 0x7f;
+    file = std::fopen(scratch.path.c_str(), "wb");
+    std::fwrite(bytes.data(), 1, bytes.size(), file);
+    std::fclose(file);
+    expect_refused(scratch.path, "its attribute comments has 2130706449 bytes");
+    struct range_image image = {};
+    Log log;
+    struct stp_env env = {};
+    env.log = keep;
+    env.user = &log;
+    assert_int_equal(range_image_read(&env, scratch.path.c_str(), RANGE_COLOR, &image),
+                     STP_ERROR_FORMAT);
+    assert_true(log.errors == 1 && log.last.find("its attribute comments") != std::string::npos);
+}
+
 /* Cut anywhere, or with a byte changed: a map or one line, never more. */
 static void test_damaged(void **)
 {
@@ -293,9 +330,10 @@ static void test_memory(void **)
 int main()
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_compressions), cmocka_unit_test(test_grey),
-        cmocka_unit_test(test_refused),      cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_memory),       cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_compressions),   cmocka_unit_test(test_grey),
+        cmocka_unit_test(test_refused),        cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_memory),         cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_huge_attribute),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
