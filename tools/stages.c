@@ -148,22 +148,23 @@ static int group_if_needed(struct console *console, const struct settings *setti
     return EXIT_FAILED;
 }
 
-/* Options of groups where nothing is grouped. */
+/* Options of groups where nothing is grouped: a line each, once for all frames. */
 static void tell_unused(struct console *console, const struct settings *settings,
                         const struct stp_scene *scene, const struct stp_limits *limits)
 {
     const struct stp_facts *facts = stp_scene_facts(scene);
     bool groups = stp_plan_needs_groups(facts, &settings->render, limits);
     bool cover = stp_plan_needs_cover(facts, &settings->render, limits);
-    bool overlap = option_given(settings, "overlap") && !groups;
-    bool relax = option_given(settings, "relax") && !groups;
-    bool most = option_given(settings, "groups") && !groups && !cover;
-    if (!console->told_unused && (overlap || relax || most))
-        console_warning(console, "%s no effect: only --method deferred groups splats, opaque ones",
-                        overlap + relax + most > 1 ? "--overlap, --relax and --groups have"
-                        : overlap                  ? "--overlap has"
-                        : relax                    ? "--relax has"
-                                                   : "--groups has");
+    const struct {
+        const char *option;
+        bool used;
+    } options[] = { { "overlap", groups }, { "relax", groups }, { "groups", groups || cover } };
+    for (int i = 0; i < 3 && !console->told_unused; i++)
+        if (option_given(settings, options[i].option) && !options[i].used)
+            console_warning(console,
+                            "--%s has no effect: only --method deferred groups splats, and opaque "
+                            "ones",
+                            options[i].option);
     console->told_unused = true;
 }
 
