@@ -157,6 +157,7 @@ struct console {
     double started, drawn; /* seconds */
     bool holds;            /* one of several processes: the first error is kept, not printed */
     char held[1024];
+    bool told_unused; /* of options that have no effect, once whatever the frames */
 };
 /* The console must not move while its env is in use. */
 void console_open(struct console *console, const struct settings *settings);

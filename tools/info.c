@@ -138,14 +138,28 @@ static void print_points(const struct stp_facts *facts)
     }
 }
 
+/* So many that they tell a millionth of the extent apart, however far it is from the origin. */
+static int corner_digits(double low, double high)
+{
+    double most = fmax(fabs(low), fabs(high)), extent = high - low;
+    double digits = extent > 0 ? ceil(log10(most / extent)) + 7 : 9;
+    return digits < 9 ? 9 : digits > 17 ? 17 : (int)digits;
+}
+
+static void print_corners(const double b[6])
+{
+    for (int c = 0; c < 2; c++) {
+        row(c ? "to" : "from");
+        for (int i = 0; i < 3; i++)
+            printf("%.*g%c", corner_digits(b[i], b[i + 3]), b[3 * c + i], i < 2 ? ' ' : '\n');
+    }
+}
+
 static void print_shape(const struct stp_facts *facts)
 {
     const double *b = facts->bounds;
     static const char *const up[] = { "?", "x", "y", "z", "-y" };
-    row("from");
-    printf("%.9g %.9g %.9g\n", b[0], b[1], b[2]);
-    row("to");
-    printf("%.9g %.9g %.9g\n", b[3], b[4], b[5]);
+    print_corners(b);
     row("size");
     printf("%.6g x %.6g x %.6g, up is %s\n", b[3] - b[0], b[4] - b[1], b[5] - b[2], up[facts->up]);
 }

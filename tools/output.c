@@ -17,9 +17,12 @@ static bool same_file(const char *a, const char *b)
            sa.st_ino == sb.st_ino;
 }
 
+/* Of a link, the folder of what it names: the new file is written there. */
 static bool directory_writable(struct console *console, const char *path)
 {
-    char *copy = strdup(path);
+    char *copy = realpath(path, NULL);
+    if (!copy)
+        copy = strdup(path);
     if (!copy) {
         console_error(console, "out of memory");
         return false;

@@ -148,6 +148,26 @@ static int group_if_needed(struct console *console, const struct settings *setti
     return EXIT_FAILED;
 }
 
+/* Options of groups where nothing is grouped: a line each, once for all frames. */
+static void tell_unused(struct console *console, const struct settings *settings,
+                        const struct stp_scene *scene, const struct stp_limits *limits)
+{
+    const struct stp_facts *facts = stp_scene_facts(scene);
+    bool groups = stp_plan_needs_groups(facts, &settings->render, limits);
+    bool cover = stp_plan_needs_cover(facts, &settings->render, limits);
+    const struct {
+        const char *option;
+        bool used;
+    } options[] = { { "overlap", groups }, { "relax", groups }, { "groups", groups || cover } };
+    for (int i = 0; i < 3 && !console->told_unused; i++)
+        if (option_given(settings, options[i].option) && !options[i].used)
+            console_warning(console,
+                            "--%s has no effect: only --method deferred groups splats, and opaque "
+                            "ones",
+                            options[i].option);
+    console->told_unused = true;
+}
+
 int choose_way(struct console *console, const struct settings *settings, struct stp_scene *scene,
                const struct stp_camera *camera, const struct stp_limits *limits,
                struct stp_choice *choice)
@@ -159,5 +179,8 @@ int choose_way(struct console *console, const struct settings *settings, struct 
         stp_choose(&console->env, scene, camera, &settings->group, render, limits, choice) !=
             STP_OK)
         return EXIT_FAILED;
-    return choice->count ? EXIT_DONE : group_if_needed(console, settings, scene, limits);
+    if (choice->count)
+        return EXIT_DONE;
+    tell_unused(console, settings, scene, limits);
+    return group_if_needed(console, settings, scene, limits);
 }

@@ -32,7 +32,7 @@ struct stp_comparison {
     double alpha_max;                           /* largest difference of alpha */
 };
 
-/* Both need R G B; A, Z and N are compared where both have them. NaN anywhere, or Inf in anything
+/* Both need R G B; A, Z and N are compared where both have them. NaN in any of these, or Inf in any
  * but Z, is STP_ERROR_FORMAT with a line that says where. */
 STP_API enum stp_result stp_compare(const struct stp_env *env, const struct stp_image *image,
                                     const struct stp_image *reference,

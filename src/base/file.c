@@ -6,7 +6,6 @@
 #include <string.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
-#include <time.h>
 #include <unistd.h>
 #include <zlib.h>
 
@@ -24,6 +23,11 @@ static enum stp_result map_file(const struct stp_env *env, const char *path, int
     struct stat st;
     if (fstat(fd, &st) != 0)
         return io_error(env, path, "stat");
+    if (S_ISFIFO(st.st_mode) || S_ISSOCK(st.st_mode) || S_ISCHR(st.st_mode))
+        return log_error(env, STP_ERROR_IO,
+                         "%s: a pipe, a socket or a device; only files are read: write it to one "
+                         "first",
+                         path);
     if (!S_ISREG(st.st_mode))
         return log_error(env, STP_ERROR_IO, "%s: not a regular file", path);
     *bytes = (struct file_bytes){ .size = (size_t)st.st_size };
@@ -44,79 +48,104 @@ static size_t inflate_bound(void)
     return pages > 0 && size > 0 ? (size_t)pages / 2 * (size_t)size : (size_t)1 << 32;
 }
 
-static enum stp_result grow(const struct stp_env *env, const char *path, unsigned char **data,
-                            size_t *capacity, size_t used)
+/* What is being inflated: `used` bytes of `capacity` so far, at most `most`. */
+struct inflating {
+    const struct stp_env *env;
+    const char *path;
+    struct file_bytes in;
+    struct file_use use;
+    unsigned char *data;
+    size_t capacity, used, most;
+};
+
+static enum stp_result grow(struct inflating *f)
 {
-    if (used < *capacity)
+    if (f->used < f->capacity)
         return STP_OK;
-    size_t wanted = *capacity * 2;
+    size_t wanted = f->capacity < f->most / 2 ? f->capacity * 2 : f->most;
     if (wanted > inflate_bound())
-        return log_error(env, STP_ERROR_MEMORY, "%s: inflates to more than %zu bytes", path,
+        return log_error(f->env, STP_ERROR_MEMORY, "%s: inflates to more than %zu bytes", f->path,
                          inflate_bound());
-    unsigned char *grown = mem_realloc(*data, wanted, 1);
+    unsigned char *grown = mem_realloc(f->data, wanted, 1);
     if (!grown)
-        return log_no_memory(env, wanted, path);
-    *data = grown;
-    *capacity = wanted;
+        return log_no_memory(f->env, wanted, f->path);
+    f->data = grown;
+    f->capacity = wanted;
     return STP_OK;
 }
 
+static size_t with_slack(size_t most)
+{
+    return most < FILE_ALL - FILE_SLACK ? most + FILE_SLACK : FILE_ALL;
+}
+
+/* Asks, once there is a head, how much is of use. */
+static void ask(struct inflating *f)
+{
+    if (!f->use.stated || f->used < FILE_HEAD)
+        return;
+    const struct file_bytes head = { .data = f->data, .size = f->used };
+    f->most = with_slack(f->use.stated(&head));
+    f->use.stated = NULL;
+}
+
 /* All members of a gzip file, one after the other. */
-static enum stp_result inflate_members(const struct stp_env *env, const char *path,
-                                       const struct file_bytes *in, z_stream *z,
-                                       unsigned char **data, size_t *capacity, size_t *size)
+static enum stp_result inflate_members(struct inflating *f, z_stream *z)
 {
     size_t consumed = 0;
     int status = Z_OK;
-    while (status != Z_STREAM_END) {
-        enum stp_result result = grow(env, path, data, capacity, *size);
+    while (status != Z_STREAM_END && f->used < f->most) {
+        enum stp_result result = grow(f);
         if (result != STP_OK)
             return result;
-        size_t room = *capacity - *size, left = in->size - consumed;
-        z->next_in = (unsigned char *)in->data + consumed;
+        size_t room = f->capacity - f->used, left = f->in.size - consumed;
+        z->next_in = (unsigned char *)f->in.data + consumed;
         z->avail_in = left > 1u << 30 ? 1u << 30 : (unsigned)left;
-        z->next_out = *data + *size;
+        z->next_out = f->data + f->used;
         z->avail_out = room > 1u << 30 ? 1u << 30 : (unsigned)room;
         status = inflate(z, Z_NO_FLUSH);
-        consumed = (size_t)(z->next_in - in->data);
-        *size = (size_t)(z->next_out - *data);
-        if (status == Z_STREAM_END && in->size - consumed >= 18 && in->data[consumed] == 0x1f &&
-            in->data[consumed + 1] == 0x8b)
+        consumed = (size_t)(z->next_in - f->in.data);
+        f->used = (size_t)(z->next_out - f->data);
+        if (status == Z_STREAM_END && f->in.size - consumed >= 18 && f->in.data[consumed] == 0x1f &&
+            f->in.data[consumed + 1] == 0x8b)
             status = inflateReset(z);
         else if (status != Z_OK && status != Z_STREAM_END)
-            return log_error(env, STP_ERROR_FORMAT, "%s: damaged gzip data at byte %zu", path,
+            return log_error(f->env, STP_ERROR_FORMAT, "%s: damaged gzip data at byte %zu", f->path,
                              consumed);
+        ask(f);
     }
     return STP_OK;
 }
 
 enum stp_result file_inflate(const struct stp_env *env, const char *path, const unsigned char *data,
-                             size_t size, struct file_bytes *bytes)
+                             size_t size, const struct file_use *use, struct file_bytes *bytes)
 {
-    const struct file_bytes in = { .data = data, .size = size };
+    struct inflating f = { .env = env, .path = path, .in = { .data = data, .size = size } };
     z_stream z = { 0 };
-    size_t capacity = size * 4 + 4096, used = 0;
-    unsigned char *out = mem_alloc(capacity, 1);
-    if (!out)
-        return log_no_memory(env, capacity, path);
+    f.use = *use;
+    f.most = with_slack(use->most);
+    f.capacity = size * 4 + FILE_HEAD < f.most ? size * 4 + FILE_HEAD : f.most;
+    f.data = mem_alloc(f.capacity, 1);
+    if (!f.data)
+        return log_no_memory(env, f.capacity, path);
     if (inflateInit2(&z, 15 + 32) != Z_OK) { /* zlib's header or gzip's */
-        mem_free(out);
+        mem_free(f.data);
         return log_no_memory(env, sizeof z, "zlib");
     }
-    enum stp_result result = inflate_members(env, path, &in, &z, &out, &capacity, &used);
+    enum stp_result result = inflate_members(&f, &z);
     inflateEnd(&z);
     if (result == STP_OK)
-        *bytes = (struct file_bytes){ .data = out, .size = used, .inflated = true };
+        *bytes = (struct file_bytes){ .data = f.data, .size = f.used, .inflated = true };
     else
-        mem_free(out);
+        mem_free(f.data);
     return result;
 }
 
 static enum stp_result inflate_file(const struct stp_env *env, const char *path,
-                                    struct file_bytes *bytes)
+                                    const struct file_use *use, struct file_bytes *bytes)
 {
     struct file_bytes inflated;
-    enum stp_result result = file_inflate(env, path, bytes->data, bytes->size, &inflated);
+    enum stp_result result = file_inflate(env, path, bytes->data, bytes->size, use, &inflated);
     if (result != STP_OK)
         return result;
     file_release(bytes);
@@ -124,7 +153,8 @@ static enum stp_result inflate_file(const struct stp_env *env, const char *path,
     return STP_OK;
 }
 
-enum stp_result file_read(const struct stp_env *env, const char *path, struct file_bytes *bytes)
+enum stp_result file_read_for(const struct stp_env *env, const char *path,
+                              const struct file_use *use, struct file_bytes *bytes)
 {
     struct file_bytes read = { 0 };
     int fd = open(path, O_RDONLY | O_CLOEXEC | O_NONBLOCK);
@@ -133,12 +163,18 @@ enum stp_result file_read(const struct stp_env *env, const char *path, struct fi
     enum stp_result result = map_file(env, path, fd, &read);
     close(fd);
     if (result == STP_OK && read.size >= 18 && read.data[0] == 0x1f && read.data[1] == 0x8b)
-        result = inflate_file(env, path, &read);
+        result = inflate_file(env, path, use, &read);
     if (result == STP_OK)
         *bytes = read;
     else
         file_release(&read);
     return result;
+}
+
+enum stp_result file_read(const struct stp_env *env, const char *path, struct file_bytes *bytes)
+{
+    const struct file_use all = { .most = FILE_ALL };
+    return file_read_for(env, path, &all, bytes);
 }
 
 void file_release(struct file_bytes *bytes)
@@ -148,103 +184,4 @@ void file_release(struct file_bytes *bytes)
     else if (bytes->inflated)
         mem_free((void *)bytes->data);
     *bytes = (struct file_bytes){ 0 };
-}
-
-#define WILD  6   /* characters of a temporary's name that are filled in */
-#define TRIES 256 /* names that are taken before it gives up */
-
-/* One of 36^6 names: the process, the thread's stack, the moment and the try decide which. */
-static void fill_name(char *wild, unsigned attempt)
-{
-    static const char letters[] = "abcdefghijklmnopqrstuvwxyz0123456789";
-    struct timespec now;
-    clock_gettime(CLOCK_MONOTONIC, &now);
-    uint64_t bits = (uint64_t)now.tv_nsec ^ (uint64_t)now.tv_sec << 30 ^ (uint64_t)getpid() << 40 ^
-                    (uint64_t)(uintptr_t)&now ^ attempt;
-    for (int i = 0; i < WILD; i++) {
-        bits = bits * 6364136223846793005u + 1442695040888963407u;
-        wild[i] = letters[(bits >> 33) % 36];
-    }
-}
-
-/* `path` ends in the WILD characters. The file has the rights of any new one, by the process's
- * mask: that belongs to every thread, so it is neither asked nor touched. -1: errno says why. */
-static int open_new(char *path)
-{
-    char *wild = path + strlen(path) - WILD;
-    for (unsigned i = 0; i < TRIES; i++) {
-        fill_name(wild, i);
-        int fd = open(path, O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
-        if (fd >= 0 || errno != EEXIST)
-            return fd;
-    }
-    return -1;
-}
-
-enum stp_result file_begin(const struct stp_env *env, const char *path, struct file_output *out)
-{
-    struct file_output begun = { 0 };
-    size_t length = strlen(path) + 16;
-    begun.path = mem_alloc(length, 1);
-    begun.temporary = mem_zalloc(length, 1); /* "": there is nothing to remove yet */
-    if (!begun.path || !begun.temporary) {
-        file_abandon(&begun);
-        return log_no_memory(env, length, path);
-    }
-    strcpy(begun.path, path);
-    snprintf(begun.temporary, length, "%s.XXXXXX", path);
-    int fd = open_new(begun.temporary);
-    if (fd < 0) {
-        begun.temporary[0] = 0;
-        enum stp_result result = io_error(env, path, "write");
-        file_abandon(&begun);
-        return result;
-    }
-    begun.stream = fdopen(fd, "wb");
-    if (!begun.stream) {
-        enum stp_result result = io_error(env, path, "write");
-        close(fd);
-        file_abandon(&begun);
-        return result;
-    }
-    *out = begun;
-    return STP_OK;
-}
-
-enum stp_result file_commit(const struct stp_env *env, struct file_output *out)
-{
-    bool whole = fflush(out->stream) == 0 && !ferror(out->stream);
-    whole = fclose(out->stream) == 0 && whole;
-    out->stream = NULL;
-    if (whole && rename(out->temporary, out->path) == 0) {
-        out->temporary[0] = 0;
-        file_abandon(out);
-        return STP_OK;
-    }
-    enum stp_result result = io_error(env, out->path, "write");
-    file_abandon(out);
-    return result;
-}
-
-void file_abandon(struct file_output *out)
-{
-    int error = errno;
-    if (out->stream)
-        fclose(out->stream);
-    if (out->temporary && out->temporary[0])
-        unlink(out->temporary);
-    mem_free(out->path);
-    mem_free(out->temporary);
-    *out = (struct file_output){ 0 };
-    errno = error;
-}
-
-enum stp_result stp_text_save(const struct stp_env *env, const char *path, const char *text)
-{
-    struct file_output out;
-    enum stp_result result = file_begin(env, path, &out);
-    if (result != STP_OK)
-        return result;
-    fprintf(out.stream, "%s\n", text);
-    return file_commit(env, &out);
 }

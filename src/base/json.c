@@ -8,7 +8,7 @@
 #include "base/file.h"
 #include "base/log.h"
 
-static enum stp_result syntax_error(const struct stp_env *env, const char *path,
+static enum stp_result syntax_error(const struct stp_env *env, const char *path, const char *what,
                                     const struct file_bytes *bytes, size_t offset)
 {
     size_t line = 1, start = 0;
@@ -17,13 +17,29 @@ static enum stp_result syntax_error(const struct stp_env *env, const char *path,
             line++;
             start = i + 1;
         }
-    return log_error(env, STP_ERROR_FORMAT, "%s: broken JSON at byte %zu (line %zu, column %zu)",
-                     path, offset, line, offset - start + 1);
+    return log_error(env, STP_ERROR_FORMAT, "%s: %s at byte %zu (line %zu, column %zu)", path, what,
+                     offset, line, offset - start + 1);
 }
 
 static bool is_space(unsigned char c)
 {
     return c == ' ' || c == '\t' || c == '\n' || c == '\r';
+}
+
+/* The place of a character NUL, as it is or escaped, in text that parses: there it ends a string as
+ * we see it, and a path would name another file. The text's size: there is none. */
+static size_t find_nul(const struct file_bytes *bytes)
+{
+    for (size_t i = 0; i < bytes->size; i++) {
+        if (bytes->data[i] == 0)
+            return i;
+        if (bytes->data[i] != '\\' || i + 1 == bytes->size)
+            continue;
+        if (bytes->size - i >= 6 && memcmp(bytes->data + i, "\\u0000", 6) == 0)
+            return i;
+        i++; /* what is escaped begins nothing */
+    }
+    return bytes->size;
 }
 
 enum stp_result json_read(const struct stp_env *env, const char *path, cJSON **root)
@@ -38,9 +54,12 @@ enum stp_result json_read(const struct stp_env *env, const char *path, cJSON **r
     if (parsed)
         while (offset < bytes.size && is_space(bytes.data[offset]))
             offset++;
-    if (!parsed || offset < bytes.size) {
+    size_t nul = find_nul(&bytes);
+    if (!parsed || offset < bytes.size || nul < bytes.size) {
+        bool whole = parsed && offset == bytes.size;
         cJSON_Delete(parsed);
-        result = syntax_error(env, path, &bytes, offset);
+        result = syntax_error(env, path, whole ? "a character NUL" : "broken JSON", &bytes,
+                              whole ? nul : offset);
     } else {
         *root = parsed;
     }
@@ -180,6 +199,9 @@ enum stp_result json_check_object(const struct json_at *at, const cJSON *object,
         if (!listed(known, item->string))
             log_warning(at->env, "%s: %s%s: unknown key, ignored (known: %s)", at->path, at->where,
                         item->string, known);
+        else if (member(object, item->string) != item)
+            log_warning(at->env, "%s: %s%s: the key comes again; the first counts", at->path,
+                        at->where, item->string);
     }
     return STP_OK;
 }

@@ -6,7 +6,8 @@
 #include <cJSON.h>
 #include <stipple/result.h>
 
-/* Parses a whole file; release with cJSON_Delete. */
+/* Parses a whole file; release with cJSON_Delete. A character NUL, in a string or not, is an error.
+ */
 enum stp_result json_read(const struct stp_env *env, const char *path, cJSON **root);
 
 /* Where an object stands, for messages: "camera.json: [3].intrinsics". */
@@ -36,7 +37,8 @@ enum stp_result json_get_numbers(const struct json_at *at, const cJSON *object, 
                                  unsigned count, double *values);
 bool json_has(const cJSON *object, const char *key);
 
-/* Fails when it is no object; warns of every key that is not in the space-separated list. */
+/* Fails when it is no object; warns of every key that is not in the space-separated list, and of
+ * one that comes again: the first counts. */
 enum stp_result json_check_object(const struct json_at *at, const cJSON *object, const char *known);
 
 /* The shortest of 15, 16 or 17 digits that reads back as `value`, whatever the locale. */

@@ -4,7 +4,6 @@
 
 #include <ImfFrameBuffer.h>
 #include <ImfInputPart.h>
-#include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 
@@ -65,6 +64,7 @@ enum stp_result read_file(const struct stp_env *env, const char *path,
     ExrBytes stream(path, bytes);
     Imf::MultiPartInputFile file(stream, 0, false);
     const Imf::Header &header = file.header(0);
+    exr_warn_of_parts(env, path, file);
     const char *refused = refusal(header);
     if (refused)
         return log_error(env, STP_ERROR_FORMAT, "%s: %s", path, refused);
@@ -91,7 +91,7 @@ enum stp_result environment_read_exr(const struct stp_env *env, const char *path
 {
     struct environment_map read = {};
     enum stp_result result =
-        exr_guarded(env, path, [&] { return read_file(env, path, bytes, &read); });
+        exr_guarded(env, path, bytes, [&] { return read_file(env, path, bytes, &read); });
     if (result == STP_OK)
         *map = read;
     else

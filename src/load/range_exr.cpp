@@ -4,7 +4,6 @@
 
 #include <ImfFrameBuffer.h>
 #include <ImfInputPart.h>
-#include <ImfMultiPartInputFile.h>
 #include <ImfPartType.h>
 
 namespace
@@ -57,6 +56,7 @@ enum stp_result read_file(const struct stp_env *env, const char *path,
     Imf::MultiPartInputFile file(stream, 0, false);
     const Imf::Header &header = file.header(0);
     unsigned count;
+    exr_warn_of_parts(env, path, file);
     if (header.hasType() && Imf::isDeepData(header.type()))
         return log_error(env, STP_ERROR_FORMAT, "%s: a deep EXR; a frame is flat", path);
     enum stp_result result = check_channels(env, path, header.channels(), plane);
@@ -78,7 +78,7 @@ enum stp_result range_read_exr(const struct stp_env *env, const char *path,
 {
     struct range_image read = {};
     enum stp_result result =
-        exr_guarded(env, path, [&] { return read_file(env, path, bytes, plane, &read); });
+        exr_guarded(env, path, bytes, [&] { return read_file(env, path, bytes, plane, &read); });
     if (result == STP_OK)
         *image = read;
     else

@@ -10,10 +10,10 @@
 #include "load/text.h"
 
 static const struct volume_reader readers[] = {
-    { nifti_probe, nifti_read },
-    { nrrd_probe, nrrd_read },
-    { metaimage_probe, metaimage_read },
-    { inrimage_probe, inrimage_read },
+    { nifti_probe, nifti_stated, nifti_read },
+    { nrrd_probe, nrrd_stated, nrrd_read },
+    { metaimage_probe, NULL, metaimage_read },
+    { inrimage_probe, NULL, inrimage_read },
 };
 
 const struct volume_reader *volume_reader_find(const struct file_bytes *bytes)
@@ -22,6 +22,12 @@ const struct volume_reader *volume_reader_find(const struct file_bytes *bytes)
         if (readers[i].probe(bytes))
             return &readers[i];
     return NULL;
+}
+
+size_t volume_stated(const struct file_bytes *head)
+{
+    const struct volume_reader *reader = volume_reader_find(head);
+    return reader && reader->stated ? reader->stated(head) : FILE_ALL;
 }
 
 static enum stp_result read_raw(const struct stp_env *env, const char *path,
@@ -115,8 +121,9 @@ bool header_numbers(const char *text, unsigned count, double *values)
 }
 
 enum stp_result header_data_file(const struct stp_env *env, const char *path, const char *name,
-                                 struct file_bytes *bytes)
+                                 size_t most, struct file_bytes *bytes)
 {
+    const struct file_use use = { .most = most };
     const char *slash = strrchr(path, '/');
     size_t folder = name[0] == '/' || !slash ? 0 : (size_t)(slash + 1 - path);
     char *joined = mem_alloc(folder + strlen(name) + 1, 1);
@@ -124,7 +131,7 @@ enum stp_result header_data_file(const struct stp_env *env, const char *path, co
         return log_no_memory(env, folder + strlen(name) + 1, path);
     memcpy(joined, path, folder);
     strcpy(joined + folder, name);
-    enum stp_result result = file_read(env, joined, bytes);
+    enum stp_result result = file_read_for(env, joined, &use, bytes);
     mem_free(joined);
     return result;
 }

@@ -53,6 +53,9 @@ struct voxel_bytes {
 enum stp_result grid_from_bytes(const struct stp_env *env, const char *path,
                                 const struct voxel_bytes *from, const struct voxels *voxels,
                                 struct grid *grid);
+/* How many bytes of a file hold its header of `begin` bytes, what is skipped and the voxels, which
+ * pass voxels_check; FILE_ALL where skip is -1. */
+size_t voxels_end(const struct voxels *voxels, size_t begin, double skip);
 /* Counts and ranges that any reader's header must pass. */
 enum stp_result voxels_check(const struct stp_env *env, const char *path,
                              const struct voxels *voxels);
@@ -62,6 +65,9 @@ void grid_measure(struct grid *grid);
 /* One format. */
 struct volume_reader {
     bool (*probe)(const struct file_bytes *bytes);
+    /* From the beginning of a file, which has passed the probe: how much of it there is to read;
+     * FILE_ALL: not known. NULL: no such header. */
+    size_t (*stated)(const struct file_bytes *head);
     enum stp_result (*read)(const struct stp_env *env, const char *path,
                             const struct file_bytes *bytes, struct grid *grid);
 };
@@ -69,6 +75,8 @@ bool nifti_probe(const struct file_bytes *bytes);
 bool nrrd_probe(const struct file_bytes *bytes);
 bool metaimage_probe(const struct file_bytes *bytes);
 bool inrimage_probe(const struct file_bytes *bytes);
+size_t nifti_stated(const struct file_bytes *head);
+size_t nrrd_stated(const struct file_bytes *head);
 enum stp_result nifti_read(const struct stp_env *env, const char *path,
                            const struct file_bytes *bytes, struct grid *grid);
 enum stp_result nrrd_read(const struct stp_env *env, const char *path,
@@ -79,6 +87,8 @@ enum stp_result inrimage_read(const struct stp_env *env, const char *path,
                               const struct file_bytes *bytes, struct grid *grid);
 /* NULL: not a volume with a header that is read. */
 const struct volume_reader *volume_reader_find(const struct file_bytes *bytes);
+/* For file_use.stated, of a file of any kind. */
+size_t volume_stated(const struct file_bytes *head);
 
 /* What a raw file is: from the caller's params where they say, else from the .json beside it. */
 struct raw_volume {
@@ -111,8 +121,9 @@ struct header_line {
 bool header_next(struct header *header, struct header_line *line);
 /* Exactly `count` numbers, with spaces, commas or brackets between. */
 bool header_numbers(const char *text, unsigned count, double *values);
-/* The file that a detached header names, read; its name may be relative to the header's folder. */
+/* The file that a detached header names, read; its name may be relative to the header's folder. Of
+ * gzip no more than `most` bytes are of use. */
 enum stp_result header_data_file(const struct stp_env *env, const char *path, const char *name,
-                                 struct file_bytes *bytes);
+                                 size_t most, struct file_bytes *bytes);
 
 #endif

@@ -144,7 +144,8 @@ enum stp_result metaimage_read(const struct stp_env *env, const char *path,
         return result;
     if (strcmp(file.data_file, "LOCAL") == 0 || strcmp(file.data_file, "Local") == 0)
         return read_voxels(&file, bytes, data, grid);
-    result = header_data_file(env, path, file.data_file, &detached);
+    size_t most = voxels_end(&file.voxels, 0, file.skip);
+    result = header_data_file(env, path, file.data_file, most, &detached);
     if (result != STP_OK)
         return result;
     result = read_voxels(&file, &detached, 0, grid);

@@ -111,6 +111,21 @@ static enum stp_result read_dims(const struct nifti *file, struct voxels *v)
     return STP_OK;
 }
 
+/* Of what the reader will refuse by its header, nothing more. */
+size_t nifti_stated(const struct file_bytes *head)
+{
+    const struct stp_env quiet = { .log = log_nothing };
+    struct nifti file = { &quiet, "", head->data, false };
+    struct voxels v = { 0 };
+    file.big_endian = word(&file, 0, 4) != HEADER;
+    v.type = type_of(short_at(&file, 70));
+    double offset = float_at(&file, 108);
+    if (v.type == RECORD_NONE || read_dims(&file, &v) != STP_OK ||
+        voxels_check(&quiet, "", &v) != STP_OK || !(offset >= HEADER && offset < 0x1p40))
+        return 0;
+    return voxels_end(&v, (size_t)offset, 0);
+}
+
 enum stp_result nifti_read(const struct stp_env *env, const char *path,
                            const struct file_bytes *bytes, struct grid *grid)
 {

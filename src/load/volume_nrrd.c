@@ -138,6 +138,10 @@ static enum stp_result check(struct nrrd *file)
         return log_error(file->env, STP_ERROR_FORMAT,
                          "%s: encoding %s is not read; write it as raw or gzip", file->path,
                          file->encoding);
+    if (file->packed && file->skip < 0)
+        return log_error(file->env, STP_ERROR_FORMAT,
+                         "%s: byte skip: -1 goes with encoding raw only, not with gzip",
+                         file->path);
     if (file->unread || strchr(file->data_file, '%') || strncmp(file->data_file, "LIST", 4) == 0)
         return log_error(file->env, STP_ERROR_FORMAT,
                          "%s: skipped lines and voxels in several files are not read; write one "
@@ -167,13 +171,34 @@ static enum stp_result read_voxels(const struct nrrd *file, const struct file_by
     return grid_from_bytes(file->env, file->path, &from, &file->voxels, grid);
 }
 
+static struct nrrd begun(const struct stp_env *env, const char *path)
+{
+    return (struct nrrd){ .env = env,
+                          .path = path,
+                          .encoding = "raw",
+                          .voxels = { .spacing = { 1, 1, 1 }, .up = STP_UP_Y, .format = "NRRD" } };
+}
+
+/* A header that goes on beyond the head is left to the reader; of what the reader will refuse by
+ * its header, nothing more. */
+size_t nrrd_stated(const struct file_bytes *head)
+{
+    const struct stp_env quiet = { .log = log_nothing };
+    struct nrrd file = begun(&quiet, "");
+    size_t data = 0;
+    if (read_fields(&file, head, &data) != STP_OK)
+        return 0;
+    if (data == head->size)
+        return FILE_ALL;
+    if (check(&file) != STP_OK || file.data_file[0])
+        return data;
+    return file.packed ? FILE_ALL : voxels_end(&file.voxels, data, file.skip);
+}
+
 enum stp_result nrrd_read(const struct stp_env *env, const char *path,
                           const struct file_bytes *bytes, struct grid *grid)
 {
-    struct nrrd file = { .env = env,
-                         .path = path,
-                         .encoding = "raw",
-                         .voxels = { .spacing = { 1, 1, 1 }, .up = STP_UP_Y, .format = "NRRD" } };
+    struct nrrd file = begun(env, path);
     struct file_bytes detached = { 0 };
     size_t data = 0;
     enum stp_result result = read_fields(&file, bytes, &data);
@@ -183,7 +208,8 @@ enum stp_result nrrd_read(const struct stp_env *env, const char *path,
         return result;
     if (!file.data_file[0])
         return read_voxels(&file, bytes, data, grid);
-    result = header_data_file(env, path, file.data_file, &detached);
+    size_t most = voxels_end(&file.voxels, 0, file.skip);
+    result = header_data_file(env, path, file.data_file, most, &detached);
     if (result != STP_OK)
         return result;
     if (detached.inflated)

@@ -192,6 +192,14 @@ enum stp_result grid_from_voxels(const struct stp_env *env, const char *path,
     return STP_OK;
 }
 
+size_t voxels_end(const struct voxels *v, size_t begin, double skip)
+{
+    size_t voxels = (size_t)(v->dims[0] * v->dims[1] * v->dims[2]) * record_type_size(v->type);
+    if (!(skip >= 0 && skip < 0x1p40))
+        return FILE_ALL;
+    return begin + (size_t)skip + voxels;
+}
+
 enum stp_result grid_from_bytes(const struct stp_env *env, const char *path,
                                 const struct voxel_bytes *from, const struct voxels *v,
                                 struct grid *grid)
@@ -201,8 +209,9 @@ enum stp_result grid_from_bytes(const struct stp_env *env, const char *path,
     struct file_bytes unpacked = { 0 };
     size_t begin = from->begin;
     if (from->packed) {
+        const struct file_use use = { .most = voxels_end(v, 0, from->skip) };
         enum stp_result result =
-            file_inflate(env, path, bytes->data + begin, bytes->size - begin, &unpacked);
+            file_inflate(env, path, bytes->data + begin, bytes->size - begin, &use, &unpacked);
         if (result != STP_OK)
             return result;
         bytes = &unpacked;

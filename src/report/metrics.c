@@ -19,30 +19,6 @@ struct pair {
     double *scratch; /* one value a pixel */
 };
 
-static enum stp_result check_channel(const struct stp_env *env, const struct stp_image *image,
-                                     const struct stp_channel *channel, const char *which)
-{
-    bool depth = strcmp(channel->name, "Z") == 0;
-    size_t pixels = (size_t)image->width * image->height;
-    for (size_t i = 0; channel->type == STP_CHANNEL_FLOAT && i < pixels; i++) {
-        float value = channel->data.f[i];
-        if (isfinite(value) || (depth && value == INFINITY))
-            continue;
-        return log_error(env, STP_ERROR_FORMAT, "%s: channel %s is %f at pixel (%zu, %zu)", which,
-                         channel->name, (double)value, i % image->width, i / image->width);
-    }
-    return STP_OK;
-}
-
-static enum stp_result check_values(const struct stp_env *env, const struct stp_image *image,
-                                    const char *which)
-{
-    enum stp_result result = STP_OK;
-    for (unsigned i = 0; i < image->channel_count && result == STP_OK; i++)
-        result = check_channel(env, image, &image->channels[i], which);
-    return result;
-}
-
 static const float *plane(const struct stp_image *image, const char *name)
 {
     const struct stp_channel *channel = stp_image_find(image, name);
@@ -217,8 +193,46 @@ static enum stp_result check(const struct stp_env *env, const struct stp_image *
         return log_error(env, STP_ERROR_ARGUMENT,
                          "epsilon %g, exposure %g or pixels per degree %g is out of range",
                          params->epsilon, params->exposure, params->pixels_per_degree);
-    enum stp_result result = check_values(env, image, "picture");
-    return result == STP_OK ? check_values(env, reference, "reference") : result;
+    return STP_OK;
+}
+
+static enum stp_result check_plane(const struct stp_env *env, const struct pair *pair,
+                                   const float *value, const char *which, const char *name)
+{
+    bool depth = strcmp(name, "Z") == 0;
+    size_t width = pair->color.width;
+    for (size_t i = 0; value && i < pair->pixels; i++)
+        if (!isfinite(value[i]) && !(depth && value[i] == INFINITY))
+            return log_error(env, STP_ERROR_FORMAT, "%s: channel %s is %f at pixel (%zu, %zu)",
+                             which, name, (double)value[i], i % width, i / width);
+    return STP_OK;
+}
+
+/* Of what is compared, every value counts. */
+static enum stp_result check_planes(const struct stp_env *env, const struct pair *pair)
+{
+    static const char *const which[2] = { "picture", "reference" };
+    const bool normals = pair->normal[0][0];
+    enum stp_result result = STP_OK;
+    for (int k = 0; k < 2; k++) {
+        const float *const *color = k ? pair->color.reference : pair->color.image;
+        const struct {
+            const char *name;
+            const float *value;
+        } planes[] = {
+            { "R", color[0] },
+            { "G", color[1] },
+            { "B", color[2] },
+            { "A", pair->alpha[k] },
+            { "Z", pair->depth[k] },
+            { "N.X", normals ? pair->normal[k][0] : NULL },
+            { "N.Y", normals ? pair->normal[k][1] : NULL },
+            { "N.Z", normals ? pair->normal[k][2] : NULL },
+        };
+        for (size_t i = 0; i < sizeof planes / sizeof *planes && result == STP_OK; i++)
+            result = check_plane(env, pair, planes[i].value, which[k], planes[i].name);
+    }
+    return result;
 }
 
 enum stp_result stp_compare(const struct stp_env *env, const struct stp_image *image,
@@ -237,5 +251,6 @@ enum stp_result stp_compare(const struct stp_env *env, const struct stp_image *i
     take_others(image, reference, &pair);
     pair.pixels = (size_t)image->width * image->height;
     pair.epsilon = params->epsilon > 0 ? params->epsilon : 1;
-    return compare_pair(env, &pair, params, comparison);
+    result = check_planes(env, &pair);
+    return result == STP_OK ? compare_pair(env, &pair, params, comparison) : result;
 }

@@ -1,6 +1,9 @@
 /* A folder of range images: intrinsics.txt, pose.txt, depth/N.* and color/N.*. */
+#include <ctype.h>
+#include <dirent.h>
 #include <math.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
 
@@ -53,16 +56,18 @@ static const char *in_folder(struct folder *folder, const char *file)
     return folder->name;
 }
 
+static const char *const endings[] = { "png", "pgm", "ppm", "exr" };
+#define ENDINGS (sizeof endings / sizeof *endings)
+
 /* KIND/N with the first ending that exists, owned by the caller; NULL: there is none. */
 static enum stp_result find_picture(const struct folder *folder, const char *kind, unsigned number,
                                     char **found)
 {
-    static const char *const endings[] = { "png", "pgm", "ppm", "exr" };
     char *name = mem_alloc(folder->size, 1);
     *found = NULL;
     if (!name)
         return log_no_memory(folder->env, folder->size, folder->path);
-    for (unsigned i = 0; i < sizeof endings / sizeof *endings; i++) {
+    for (unsigned i = 0; i < ENDINGS; i++) {
         struct stat st;
         snprintf(name, folder->size, "%s/%s/%u.%s", folder->path, kind, number, endings[i]);
         if (stat(name, &st) == 0) {
@@ -94,14 +99,62 @@ static enum stp_result read_frame(const struct folder *folder, unsigned number,
     return result;
 }
 
+/* The number of a picture's name as find_picture writes it; -1: another file. */
+static long picture_number(const char *name)
+{
+    char *end;
+    if (!isdigit((unsigned char)name[0]) || (name[0] == '0' && name[1] != '.') || strlen(name) > 13)
+        return -1;
+    long number = strtol(name, &end, 10);
+    for (unsigned i = 0; i < ENDINGS; i++)
+        if (*end == '.' && strcmp(end + 1, endings[i]) == 0)
+            return number;
+    return -1;
+}
+
+/* Depths that no pose is for. */
+static void warn_of_surplus(struct folder *folder, unsigned end)
+{
+    long least = 0;
+    unsigned count = 0;
+    snprintf(folder->name, folder->size, "%s/depth", folder->path);
+    DIR *directory = opendir(folder->name);
+    if (!directory)
+        return;
+    for (const struct dirent *entry; (entry = readdir(directory)) != NULL;) {
+        long number = picture_number(entry->d_name);
+        if (number < (long)end)
+            continue;
+        least = count++ == 0 || number < least ? number : least;
+    }
+    closedir(directory);
+    if (count)
+        log_warning(folder->env,
+                    "%s: pose.txt has no pose for %u picture%s of depth, from depth/%ld on: left "
+                    "out",
+                    folder->path, count, count == 1 ? "" : "s", least);
+}
+
+/* 0 where either picture 0 is there, so that one that is lost does not pass its pose on to the
+ * next. */
+static enum stp_result find_first(const struct folder *folder, unsigned *first)
+{
+    char *depth = NULL, *color = NULL;
+    enum stp_result result = find_picture(folder, "depth", 0, &depth);
+    if (result == STP_OK)
+        result = find_picture(folder, "color", 0, &color);
+    *first = depth || color ? 0 : 1;
+    mem_free(depth);
+    mem_free(color);
+    return result;
+}
+
 static enum stp_result read_frames(struct folder *folder, const struct range_frame *like,
                                    const struct range_units *units, double (*pose)[16],
                                    const struct stp_load_params *params, struct range *range)
 {
-    char *zero = NULL;
-    enum stp_result result = find_picture(folder, "depth", 0, &zero);
-    unsigned first = zero ? 0 : 1, count = range->count;
-    mem_free(zero);
+    unsigned first, count = range->count;
+    enum stp_result result = find_first(folder, &first);
     if (result != STP_OK)
         return result;
     range->frame = mem_zalloc(count, sizeof *range->frame);
@@ -115,6 +168,8 @@ static enum stp_result read_frames(struct folder *folder, const struct range_fra
         result = read_frame(folder, first + i, units, params->transfer, &range->frame[i]);
         log_progress(folder->env, "load", (double)(i + 1) / count);
     }
+    if (result == STP_OK)
+        warn_of_surplus(folder, first + count);
     return result;
 }
 

@@ -222,9 +222,10 @@ static enum stp_result add_file(const struct stp_env *env, struct stp_scene *sce
 {
     struct file_bytes bytes;
     struct raw_volume raw = { 0 };
+    const struct file_use use = { .most = FILE_ALL, .stated = volume_stated };
     bool is_volume, streams = false;
     log_progress(env, "load", 0);
-    enum stp_result result = file_read(env, path, &bytes);
+    enum stp_result result = file_read_for(env, path, &use, &bytes);
     if (result != STP_OK)
         return result;
     result = find_volume(env, path, &bytes, &params->volume, &raw, &is_volume);

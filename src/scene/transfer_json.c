@@ -1,4 +1,5 @@
 /* Transfer functions in JSON (docs/volumes.md). */
+#include <ctype.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -10,8 +11,12 @@
 static bool read_hash_color(const char *text, float color[3])
 {
     unsigned part[3];
-    char rest;
-    if (strlen(text) != 7 || sscanf(text, "#%2x%2x%2x%c", &part[0], &part[1], &part[2], &rest) != 3)
+    if (strlen(text) != 7 || text[0] != '#')
+        return false;
+    for (int i = 1; i < 7; i++) /* sscanf alone would take signs, spaces and "0x" */
+        if (!isxdigit((unsigned char)text[i]))
+            return false;
+    if (sscanf(text, "#%2x%2x%2x", &part[0], &part[1], &part[2]) != 3)
         return false;
     for (int c = 0; c < 3; c++)
         color[c] = (float)color_from_srgb(part[c] / 255.0);

@@ -20,6 +20,19 @@ static enum stp_result refuse(const struct stp_env *env, const struct exr_source
     return log_error(env, STP_ERROR_FORMAT, "%s: %s", s->io->path, what);
 }
 
+/* Of several parts the first is read, which is said. */
+static void warn_of_parts(const struct stp_env *env, const struct exr_source *s)
+{
+    int parts = 1;
+    const char *name = NULL;
+    if (exr_get_count(s->context, &parts) != EXR_ERR_SUCCESS || parts < 2)
+        return;
+    if (exr_get_name(s->context, 0, &name) != EXR_ERR_SUCCESS || !name)
+        name = "";
+    log_warning(env, "%s: of its %d parts only the first is read: \"%s\"", s->io->path, parts,
+                name);
+}
+
 static enum stp_result check_kind(const struct stp_env *env, struct exr_source *s)
 {
     exr_storage_t storage;
@@ -171,6 +184,7 @@ static enum stp_result read_part(const struct stp_env *env, struct exr_source *s
                                  struct stp_image **image)
 {
     struct stp_image *read = NULL;
+    warn_of_parts(env, s);
     enum stp_result result = check_kind(env, s);
     if (result == STP_OK)
         result = check_windows(env, s);

@@ -43,10 +43,35 @@ class Commands(command.CommandTest):
             self.assertAlmostEqual(low, -1, 2)
             self.assertAlmostEqual(high, 1, 2)
 
+    def test_info_far_from_the_origin(self):
+        """Coordinates as of UTM: what is printed tells the corners apart."""
+        far = [(5e5 + 1e-3 * x, 4649776.25 + 2e-3 * y, 100 + x * y) for x in range(9)
+               for y in range(9)]
+        self.write("far.xyz", "".join("%.6f %.6f %.6f\n" % p for p in far))
+        lines = self.done("info", "far.xyz").splitlines()
+        low, high = ([float(v) for v in line.split()[1:]] for line in lines
+                     if line.split()[0] in ("from", "to"))
+        for a, b, size in zip(low, high, (8e-3, 16e-3, 64)):
+            self.assertAlmostEqual((b - a) / size, 1, 4)
+
     def test_plan(self):
         self.assertEqual(self.done("plan", "ball.ply"), self.done("plan", "ball.ply"))
         for method in ["deferred", "two-pass", "exact"]:
             self.assertIn(method, self.done("plan", "ball.ply", "--method", method))
+
+    def test_options_of_groups_without_groups(self):
+        for command in (["plan", "ball.ply"],
+                        ["render", "ball.ply", "-o", "a.exr", *REFERENCE[2:]]):
+            method = ["--method", "reference" if command[0] == "render" else "exact"]
+            for options in (["--overlap", "0.5"], ["--relax", "none"], ["--groups", "9"]):
+                run = self.run_tool(*command, *method, *options)
+                self.assertEqual(run.returncode, 0)
+                self.assertEqual(run.stderr.count("\n"), 1, run.stderr)
+                self.assertIn(f"warning: {options[0]} has no effect", run.stderr)
+                self.done(*command, *method, *options, "--quiet")
+        self.done("plan", "ball.ply", "--method", "deferred", "--overlap", "0.5", "--relax", "none",
+                  "--groups", "9")
+        self.done("plan", "ball.ply", "--opacity", "0.5", "--transparency", "fast", "--groups", "3")
 
     def test_plan_takes_a_device_profile(self):
         self.write("limits.json", self.done("devices", "--json"))

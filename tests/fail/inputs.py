@@ -54,6 +54,13 @@ class Inputs(command.CommandTest):
         self.refused(["missing.ply", "No such file"], "missing.ply")
         self.refused([self.folder], self.folder)
 
+    def test_pipes(self):
+        """What cannot be mapped is said to be that, in one line."""
+        self.refused(["/dev/stdin", "a pipe", "only files are read"], "/dev/stdin", input="1 2 3\n")
+        os.mkfifo(self.path("pipe.ply"))
+        self.refused(["pipe.ply", "a pipe"], "pipe.ply")
+        self.refused(["/dev/null", "device"], "/dev/null")
+
     def test_all_clipped(self):
         self.refused(["ball.ply", "clip"], "ball.ply", "--clip-box", "5,5,5,6,6,6")
 

@@ -10,7 +10,8 @@ static void check_entry(const struct scene_entry *entry)
 {
     fuzz_check(entry->file && *entry->file, "an entry names a file");
     fuzz_check(isfinite(entry->params.epsilon) && entry->params.epsilon >= 0, "epsilon is bounded");
-    fuzz_check(entry->params.opacity >= 0 && entry->params.opacity <= 1, "opacity is within 0..1");
+    float opacity = entry->params.opacity; /* -1: the file says 0 */
+    fuzz_check((opacity >= 0 && opacity <= 1) || opacity == -1, "opacity is within 0..1");
     for (int i = 0; i < 16 && entry->transformed; i++)
         fuzz_check(isfinite(entry->transform[i]), "a transform is finite");
     fuzz_check(!entry->transformed || (isfinite(entry->scale) && entry->scale > 0),

@@ -93,6 +93,9 @@ static void test_syntax(void **state)
         { "{\"a\": 1\n\"b\": 2}", "byte 8 (line 2, column 1)" },
         { "[1, 2] 3", "byte 7 (line 1, column 8)" },
         { "{\"a\": \"unterminated}", "byte" },
+        { "{\"a\": \"b.ply\\u0000c\"}", "a character NUL at byte 12 (line 1, column 13)" },
+        { "{\"a\\u0000\": 1}", "a character NUL at byte 3" },
+        { "[\"\\\\\\u0000\"]", "a character NUL at byte 4" },
     };
     char path[] = "/tmp/stipple-test-XXXXXX", line[512] = "";
     const struct stp_env env = { .log = take_line, .user = line };
@@ -112,12 +115,51 @@ static void test_syntax(void **state)
     unlink(path);
 }
 
+/* A raw NUL inside a string; and what only looks like one escaped. */
+static void test_nul(void **state)
+{
+    static const char raw[] = "[\"a\0b\"]", escaped[] = "[\"\\\\u0000\", \"\\u00001\", \"u0000\"]";
+    char path[] = "/tmp/stipple-test-XXXXXX", line[512] = "";
+    const struct stp_env env = { .log = take_line, .user = line };
+    cJSON *json = NULL;
+    int fd = mkstemp(path);
+    assert_true(fd >= 0);
+    assert_int_equal(pwrite(fd, raw, sizeof raw - 1, 0), sizeof raw - 1);
+    assert_int_equal(json_read(&env, path, &json), STP_ERROR_FORMAT);
+    assert_non_null(strstr(line, "byte 3"));
+    assert_int_equal(ftruncate(fd, 0), 0);
+    assert_int_equal(pwrite(fd, escaped, sizeof escaped - 1, 0), sizeof escaped - 1);
+    assert_int_equal(json_read(&env, path, &json), STP_ERROR_FORMAT);
+    assert_non_null(strstr(line, "byte 13")); /* the second string's */
+    close(fd);
+    unlink(path);
+}
+
+static void test_keys_again(void **state)
+{
+    char line[512] = "";
+    const struct stp_env env = { .log = take_line, .user = line };
+    struct json_at at = json_root(&env, "file");
+    cJSON *json = cJSON_Parse("{\"a\": 1, \"b\": 2, \"a\": 3}");
+    double value = 0;
+    assert_int_equal(json_check_object(&at, json, "a b"), STP_OK);
+    assert_string_equal(line, "file: a: the key comes again; the first counts");
+    assert_int_equal(json_get_number(&at, json, "a", &value), STP_OK);
+    assert_true(value == 1);
+    cJSON_Delete(json);
+    line[0] = 0;
+    json = cJSON_Parse("{\"a\": 1, \"b\": 2, \"A\": 3}");
+    assert_int_equal(json_check_object(&at, json, "a b A"), STP_OK);
+    assert_string_equal(line, "");
+    cJSON_Delete(json);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_numbers),
-        cmocka_unit_test(test_getters),
-        cmocka_unit_test(test_syntax),
+        cmocka_unit_test(test_numbers),    cmocka_unit_test(test_getters),
+        cmocka_unit_test(test_syntax),     cmocka_unit_test(test_nul),
+        cmocka_unit_test(test_keys_again),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

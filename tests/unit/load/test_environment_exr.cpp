@@ -1,6 +1,7 @@
 // OpenEXR maps written here by its C++ library in every way that a map comes: the lossy
 // compressions that the C core lacks, tiles, halves, grey, windows off the origin; and what is
 // refused.
+#include <algorithm>
 #include <cmath>
 #include <csetjmp>
 #include <cstdarg>
@@ -18,7 +19,9 @@
 #include <ImfDeepScanLineOutputFile.h>
 #include <ImfFrameBuffer.h>
 #include <ImfHeader.h>
+#include <ImfMultiPartOutputFile.h>
 #include <ImfOutputFile.h>
+#include <ImfOutputPart.h>
 #include <ImfPartType.h>
 #include <ImfStandardAttributes.h>
 #include <ImfTiledOutputFile.h>
@@ -27,6 +30,7 @@ extern "C" {
 #include <cmocka.h>
 #include "base/memory.h"
 #include "load/environment.h"
+#include "load/range.h"
 }
 
 static const int W = 64, H = 32;
@@ -170,6 +174,49 @@ static void test_grey(void **)
     expect_map(scratch.path, 0, true);
 }
 
+static void write_parts(const std::string &path, const char *const *first,
+                        const char *const *second)
+{
+    const char *const *channels[2] = { first, second };
+    std::vector<Imf::Header> headers;
+    for (int i = 0; i < 2; i++) {
+        headers.push_back(make_header(at_origin, Imf::ZIP_COMPRESSION, channels[i]));
+        headers[static_cast<size_t>(i)].setName(i ? "second" : "first");
+        headers[static_cast<size_t>(i)].setType(Imf::SCANLINEIMAGE);
+    }
+    Imf::MultiPartOutputFile file(path.c_str(), headers.data(), 2);
+    for (int i = 0; i < 2; i++) {
+        std::vector<float> data;
+        Imf::OutputPart part(file, i);
+        part.setFrameBuffer(slices(data, at_origin, channels[i]));
+        part.writePixels(H);
+    }
+}
+
+/* Of two parts the first is read, and a line says so; what only the second has is missing. */
+static void test_parts(void **)
+{
+    static const char *const words = "of its 2 parts only the first is read: \"first\"";
+    Scratch scratch;
+    struct environment_map map = {};
+    struct range_image image = {};
+    Log log;
+    write_parts(scratch.path, rgb, grey);
+    assert_int_equal(read_map(scratch.path, &map, &log), STP_OK);
+    assert_true(log.warnings == 1 && log.last.find(words) != std::string::npos);
+    assert_true(map.texel[1][2] == value(1, 0, 2));
+    environment_map_release(&map);
+    struct stp_env env = {};
+    env.log = keep;
+    env.user = &log;
+    assert_int_equal(range_image_read(&env, scratch.path.c_str(), RANGE_COLOR, &image), STP_OK);
+    assert_true(log.warnings == 2 && log.last.find(words) != std::string::npos);
+    range_image_release(&image);
+    assert_int_equal(range_image_read(&env, scratch.path.c_str(), RANGE_DEPTH, &image),
+                     STP_ERROR_FORMAT);
+    assert_true(log.warnings == 3 && log.last.find("no channel Z") != std::string::npos);
+}
+
 static void expect_refused(const std::string &path, const char *words)
 {
     struct environment_map map = {};
@@ -201,6 +248,42 @@ static void test_refused(void **)
         Imf::DeepScanLineOutputFile file(scratch.path.c_str(), header);
     }
     expect_refused(scratch.path, "deep EXR");
+}
+
+/* An attribute that claims more bytes than the file has is named; the library would take the room.
+ */
+static void test_huge_attribute(void **)
+{
+    Scratch scratch;
+    {
+        std::vector<float> data;
+        Imf::Header header = make_header(at_origin, Imf::ZIP_COMPRESSION, rgb);
+        Imf::addComments(header, "no more than this");
+        Imf::OutputFile file(scratch.path.c_str(), header);
+        file.setFrameBuffer(slices(data, at_origin, rgb));
+        file.writePixels(H);
+    }
+    expect_map(scratch.path, 0, false);
+    std::vector<char> bytes(1 << 16);
+    FILE *file = std::fopen(scratch.path.c_str(), "rb");
+    bytes.resize(std::fread(bytes.data(), 1, bytes.size(), file));
+    std::fclose(file);
+    static const char head[] = "comments\0string";
+    auto at = std::search(bytes.begin(), bytes.end(), head, head + sizeof head);
+    assert_true(at != bytes.end());
+    at[sizeof head + 3] = 0x7f;
+    file = std::fopen(scratch.path.c_str(), "wb");
+    std::fwrite(bytes.data(), 1, bytes.size(), file);
+    std::fclose(file);
+    expect_refused(scratch.path, "its attribute comments has 2130706449 bytes");
+    struct range_image image = {};
+    Log log;
+    struct stp_env env = {};
+    env.log = keep;
+    env.user = &log;
+    assert_int_equal(range_image_read(&env, scratch.path.c_str(), RANGE_COLOR, &image),
+                     STP_ERROR_FORMAT);
+    assert_true(log.errors == 1 && log.last.find("its attribute comments") != std::string::npos);
 }
 
 /* Cut anywhere, or with a byte changed: a map or one line, never more. */
@@ -247,9 +330,10 @@ static void test_memory(void **)
 int main()
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_compressions), cmocka_unit_test(test_grey),
-        cmocka_unit_test(test_refused),      cmocka_unit_test(test_damaged),
-        cmocka_unit_test(test_memory),
+        cmocka_unit_test(test_compressions),   cmocka_unit_test(test_grey),
+        cmocka_unit_test(test_refused),        cmocka_unit_test(test_damaged),
+        cmocka_unit_test(test_memory),         cmocka_unit_test(test_parts),
+        cmocka_unit_test(test_huge_attribute),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

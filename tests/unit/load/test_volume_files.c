@@ -216,6 +216,22 @@ static void what_is_not_read_is_warned_of(void **state)
     drop(&b);
 }
 
+static void put_gzip(struct buffer *b, const struct buffer *body)
+{
+    size_t room = body->size + 512;
+    unsigned char *out = malloc(room);
+    assert_non_null(out);
+    z_stream z = { .next_in = body->data,
+                   .avail_in = (unsigned)body->size,
+                   .next_out = out,
+                   .avail_out = (unsigned)room };
+    assert_int_equal(deflateInit2(&z, 9, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY), Z_OK);
+    assert_int_equal(deflate(&z, Z_FINISH), Z_STREAM_END);
+    put_bytes(b, out, room - z.avail_out);
+    deflateEnd(&z);
+    free(out);
+}
+
 static void nrrd_raw_and_gzip(void **state)
 {
     for (int packed = 0; packed < 2; packed++) {
@@ -225,19 +241,10 @@ static void nrrd_raw_and_gzip(void **state)
                  "spacings: 1 2 0.5\nendian: big\nencoding: %s\n\n",
                  NX, NY, NZ, packed ? "gzip" : "raw");
         put_voxels(&body, "s", true);
-        unsigned char out[512];
-        if (packed) {
-            z_stream z = { .next_in = body.data,
-                           .avail_in = (unsigned)body.size,
-                           .next_out = out,
-                           .avail_out = sizeof out };
-            assert_int_equal(deflateInit2(&z, 9, Z_DEFLATED, 31, 8, Z_DEFAULT_STRATEGY), Z_OK);
-            assert_int_equal(deflate(&z, Z_FINISH), Z_STREAM_END);
-            put_bytes(&b, out, sizeof out - z.avail_out);
-            deflateEnd(&z);
-        } else {
+        if (packed)
+            put_gzip(&b, &body);
+        else
             put_bytes(&b, body.data, body.size);
-        }
         struct seen seen;
         struct grid grid;
         assert_int_equal(read_volume(&b, &seen, &grid), STP_OK);
@@ -386,6 +393,122 @@ static void raw_files_are_described_beside(void **state)
     assert_int_equal(system(line), 0);
 }
 
+#define SURPLUS ((size_t)1 << 24)
+
+static void put_surplus(struct buffer *b)
+{
+    unsigned char *zeros = calloc(SURPLUS, 1);
+    assert_non_null(zeros);
+    put_bytes(b, zeros, SURPLUS);
+    free(zeros);
+}
+
+static void put_nrrd(struct buffer *b, const char *encoding, const char *more)
+{
+    put_text(b,
+             "NRRD0004\ntype: short\ndimension: 3\nsizes: %d %d %d\nendian: little\nencoding: "
+             "%s\n%s\n",
+             NX, NY, NZ, encoding, more);
+}
+
+/* What is inflated beyond what the header states is not looked at: here it is cut off, which a
+ * reader that goes to the end takes for damage. */
+static void gzip_in_a_file_ends_with_its_voxels(void **state)
+{
+    struct buffer b = { 0 }, body = { 0 };
+    struct seen seen;
+    struct grid grid;
+    put_voxels(&body, "s", false);
+    put_surplus(&body);
+    put_nrrd(&b, "gzip", "");
+    put_gzip(&b, &body);
+    b.size -= 1000;
+    assert_int_equal(read_volume(&b, &seen, &grid), STP_OK);
+    expect_plain(&grid, 1);
+    grid_release(&grid);
+    drop(&b);
+    body.size -= SURPLUS;
+    put_nrrd(&b, "gzip", "");
+    put_gzip(&b, &body);
+    b.data[b.size - 6] ^= 1; /* what is honest is checked to its end */
+    refuse(b, "damaged gzip");
+    b = (struct buffer){ 0 };
+    put_nrrd(&b, "gzip", "byte skip: -1\n");
+    put_gzip(&b, &body);
+    refuse(b, "encoding raw only");
+    drop(&body);
+}
+
+static void put_buffer(const char *path, const struct buffer *b)
+{
+    FILE *file = fopen(path, "wb");
+    assert_non_null(file);
+    assert_int_equal(fwrite(b->data, 1, b->size, file), b->size);
+    assert_int_equal(fclose(file), 0);
+}
+
+/* As the scene reads it: no more of it is inflated than its header states, and some slack. */
+static void expect_short(const char *path, const struct buffer *body, bool refused)
+{
+    const struct file_use use = { .most = FILE_ALL, .stated = volume_stated };
+    struct seen seen = { .env = { .log = see } };
+    struct buffer b = { 0 };
+    struct file_bytes bytes;
+    struct grid grid = { 0 };
+    seen.env.user = &seen;
+    put_gzip(&b, body);
+    b.size -= 1000;
+    put_buffer(path, &b);
+    assert_int_equal(file_read_for(&seen.env, path, &use, &bytes), STP_OK);
+    assert_true(bytes.size < body->size - SURPLUS + FILE_SLACK + 4 * b.size + FILE_HEAD);
+    assert_int_equal(volume_from_bytes(&seen.env, path, &bytes, NULL, NULL, &grid),
+                     refused ? STP_ERROR_FORMAT : STP_OK);
+    if (!refused)
+        expect_plain(&grid, 1);
+    grid_release(&grid);
+    file_release(&bytes);
+    drop(&b);
+}
+
+static void whole_files_in_gzip_end_with_their_voxels(void **state)
+{
+    char folder[] = "/tmp/stipple-gzip-XXXXXX", path[256], detached[256];
+    assert_non_null(mkdtemp(folder));
+    snprintf(path, sizeof path, "%s/v", folder);
+    snprintf(detached, sizeof detached, "%s/v.raw.gz", folder);
+    for (int kind = 0; kind < 4; kind++) {
+        struct buffer b = { 0 };
+        if (kind == 0)
+            b = make_nifti(4, false, NULL, 0);
+        else if (kind == 1)
+            b = make_nifti(128, false, NULL, 0); /* no scalars */
+        else
+            put_nrrd(&b, kind == 2 ? "raw" : "bzip2", "");
+        put_voxels(&b, "s", false);
+        put_surplus(&b);
+        expect_short(path, &b, kind % 2);
+        drop(&b);
+    }
+    struct buffer body = { 0 }, packed = { 0 }, b = { 0 };
+    put_voxels(&body, "s", false);
+    put_surplus(&body);
+    put_gzip(&packed, &body);
+    packed.size -= 1000;
+    put_buffer(detached, &packed);
+    put_nrrd(&b, "gzip", "data file: v.raw.gz\n");
+    const struct file_bytes bytes = { .data = b.data, .size = b.size };
+    struct grid grid = { 0 };
+    assert_int_equal(volume_from_bytes(NULL, path, &bytes, NULL, NULL, &grid), STP_OK);
+    expect_plain(&grid, 1);
+    grid_release(&grid);
+    drop(&b);
+    drop(&body);
+    drop(&packed);
+    unlink(path);
+    unlink(detached);
+    assert_int_equal(rmdir(folder), 0);
+}
+
 int main(void)
 {
     const struct CMUnitTest tests[] = {
@@ -397,6 +520,8 @@ int main(void)
         cmocka_unit_test(nrrd_raw_and_gzip),
         cmocka_unit_test(metaimage_and_inrimage),
         cmocka_unit_test(what_is_wrong_is_said),
+        cmocka_unit_test(gzip_in_a_file_ends_with_its_voxels),
+        cmocka_unit_test(whole_files_in_gzip_end_with_their_voxels),
         cmocka_unit_test(each_allocation_fails_in_turn),
         cmocka_unit_test(raw_files_are_described_beside),
     };

@@ -227,7 +227,6 @@ static void what_is_not_finite_is_named(void **state)
 {
     static const char *const channel[4] = { "G", "A", "N.Y", "Z" };
     struct stp_image *a = grey_picture(7, 3, 0.5f), *b = grey_picture(7, 3, 0.5f);
-    float *weight = add_plane(b, "weight");
     for (int i = 0; i < 4; i++) {
         float *value = &plane_of(a, channel[i])[7 + 4], kept = *value;
         *value = NAN;
@@ -236,8 +235,31 @@ static void what_is_not_finite_is_named(void **state)
         expect_failure(a, b, NULL, STP_ERROR_FORMAT, channel[i], "(4, 1)");
         *value = kept;
     }
-    weight[20] = INFINITY; /* in a plane that no metric reads, too */
-    expect_failure(a, b, NULL, STP_ERROR_FORMAT, "reference: channel weight", "(6, 2)");
+    plane_of(b, "G")[20] = INFINITY;
+    expect_failure(a, b, NULL, STP_ERROR_FORMAT, "reference: channel G", "(6, 2)");
+    stp_image_destroy(&a);
+    stp_image_destroy(&b);
+}
+
+/* In a plane that no metric reads, or that the other picture has not. */
+static void what_is_not_compared_may_be_anything(void **state)
+{
+    struct stp_image *a = grey_picture(7, 3, 0.5f), *b = grey_picture(7, 3, 0.5f), *flat;
+    struct stp_comparison c;
+    add_plane(a, "weight")[20] = NAN;
+    add_plane(b, "weight")[1] = NAN;
+    assert_int_equal(stp_compare(NULL, a, b, NULL, &c), STP_OK);
+    assert_int_equal(stp_image_create(NULL, 7, 3, &flat), STP_OK);
+    for (int k = 0; k < 3; k++)
+        add_plane(flat, (const char *const[]){ "R", "G", "B" }[k]);
+    static const char *const absent[5] = { "A", "Z", "N.X", "N.Y", "N.Z" };
+    for (int k = 0; k < 5; k++)
+        plane_of(b, absent[k])[3] = NAN;
+    assert_int_equal(stp_compare(NULL, flat, b, NULL, &c), STP_OK);
+    assert_int_equal(stp_compare(NULL, b, flat, NULL, &c), STP_OK);
+    add_plane(flat, "N.X"); /* a part of a normal is none */
+    assert_int_equal(stp_compare(NULL, flat, b, NULL, &c), STP_OK);
+    stp_image_destroy(&flat);
     stp_image_destroy(&a);
     stp_image_destroy(&b);
 }
@@ -293,6 +315,7 @@ int main(void)
         cmocka_unit_test(normal_percentile),
         cmocka_unit_test(planes_that_one_lacks_are_left_out),
         cmocka_unit_test(what_is_not_finite_is_named),
+        cmocka_unit_test(what_is_not_compared_may_be_anything),
         cmocka_unit_test(what_cannot_be_compared_is_said),
         cmocka_unit_test(every_allocation_may_fail),
     };

@@ -60,6 +60,38 @@ static void a_folder(void **state)
     assert_non_null(strstr(book.error, "no color/2.png"));
 }
 
+/* Poses go with numbers: a picture that is lost, or one too many, shifts none silently. */
+static void a_folder_by_numbers(void **state)
+{
+    struct log_book book;
+    struct stp_scene *scene;
+    char path[PATH_MAX];
+    put_folder(*state);
+    put_pictures(*state, "depth/3.pgm", "color/3.ppm", 4000, SIDE);
+    put_file(*state, "depth/readme.txt", "no picture");
+    put_file(*state, "depth/99999999999999999999.pgm", "nor this");
+    assert_int_equal(load_named(*state, "", NULL, &book, &scene), STP_OK);
+    assert_int_equal(book.warnings, 1);
+    assert_non_null(strstr(book.warning, "1 picture of depth, from depth/3 on"));
+    assert_int_equal(scene->volume->range.count, 2);
+    stp_scene_destroy(&scene);
+    put_pictures(*state, "depth/0.pgm", "color/0.ppm", 1000, SIDE);
+    assert_int_equal(load_named(*state, "", NULL, &book, &scene), STP_OK);
+    assert_non_null(strstr(book.warning, "2 pictures of depth, from depth/2 on"));
+    assert_true(scene->volume->range.frame[0].depth[1] == 1);
+    stp_scene_destroy(&scene);
+    unlink(in_folder(*state, "depth/0.pgm", path));
+    assert_int_equal(load_named(*state, "", NULL, &book, &scene), STP_ERROR_FORMAT);
+    assert_non_null(strstr(book.error, "no depth/0.png"));
+    static const char *const more[] = { "color/0.ppm", "depth/3.pgm", "color/3.ppm",
+                                        "depth/readme.txt", "depth/99999999999999999999.pgm" };
+    for (unsigned i = 0; i < sizeof more / sizeof *more; i++)
+        unlink(in_folder(*state, more[i], path));
+    assert_int_equal(load_named(*state, "", NULL, &book, &scene), STP_OK);
+    assert_int_equal(book.warnings, 0);
+    stp_scene_destroy(&scene);
+}
+
 /* The same points as an ordinary object, unlit. */
 static void discs(void **state)
 {
@@ -217,6 +249,7 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(a_folder),
+        cmocka_unit_test(a_folder_by_numbers),
         cmocka_unit_test(discs),
         cmocka_unit_test(a_scene_file),
         cmocka_unit_test(disparities),

@@ -72,6 +72,10 @@ static void mistakes_name_their_place(void **state)
         { "{\"points\": [{\"value\": 1, \"opacity\": 1}, {\"value\": 0, \"opacity\": 1}]}",
           "points[1].value" },
         { "{\"points\": [{\"value\": 1, \"opacity\": 1, \"color\": \"#12345\"}]}", "color" },
+        { "{\"points\": [{\"value\": 1, \"opacity\": 1, \"color\": \"#-1-1-1\"}]}", "color" },
+        { "{\"points\": [{\"value\": 1, \"opacity\": 1, \"color\": \"#0x1122\"}]}", "color" },
+        { "{\"points\": [{\"value\": 1, \"opacity\": 1, \"color\": \"# 1 2 3\"}]}", "color" },
+        { "{\"points\": [{\"value\": 1, \"opacity\": 1, \"color\": \"1234567\"}]}", "color" },
         { "{\"points\": [{\"value\": 1, \"opacity\": 1, \"color\": [1, -1, 0]}]}", "color" },
         { "{\"unit\": \"percent\", \"points\": [{\"value\": 1, \"opacity\": 1}]}", "unit" },
     };

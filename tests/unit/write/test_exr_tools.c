@@ -191,6 +191,28 @@ static void test_windows(void **state)
     stp_image_destroy(&image);
 }
 
+/* Of two parts the first is read, and a line says which that is; of one there is none. */
+static void test_parts(void **state)
+{
+    char path[PATH_MAX];
+    struct log_book book;
+    struct stp_env env = logged_env(&book, 1);
+    struct stp_image *image = make_image(), *read = NULL;
+    write_as(image, *state, "a.exr", STP_COMPRESSION_ZIP);
+    free(run_tool(*state, "oiiotool a.exr --attrib oiio:subimagename beauty a.exr --mulc 2 "
+                          "--attrib oiio:subimagename depth --siappend -o parts.exr"));
+    assert_int_equal(stp_image_read_exr(&env, in_scratch(*state, "a.exr", path), &read), STP_OK);
+    assert_int_equal(book.warnings, 0);
+    stp_image_destroy(&read);
+    assert_int_equal(stp_image_read_exr(&env, in_scratch(*state, "parts.exr", path), &read),
+                     STP_OK);
+    assert_int_equal(book.warnings, 1);
+    must_contain(book.warning, "of its 2 parts only the first is read: \"beauty\"");
+    check_planes(image, read);
+    stp_image_destroy(&read);
+    stp_image_destroy(&image);
+}
+
 /* Real shapes that are not read: the line names them. */
 static void test_refused(void **state)
 {
@@ -219,6 +241,7 @@ int main(void)
         cmocka_unit_test(test_header),      cmocka_unit_test(test_values),
         cmocka_unit_test(test_their_files), cmocka_unit_test(test_idiff),
         cmocka_unit_test(test_windows),     cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_parts),
     };
     return cmocka_run_group_tests(tests, enter_scratch, leave_scratch);
 }
