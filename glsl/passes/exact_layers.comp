@@ -5,6 +5,9 @@
 // and finds where the next one starts. LISTS: of the pixels that overflowed their slots and have lists;
 // what has neither is left to the mending passes.
 #include "lib/common.glsl"
+#ifdef LISTS
+#define WIDE
+#endif
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
 #include "lib/resolve.glsl"

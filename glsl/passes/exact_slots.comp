@@ -5,6 +5,7 @@
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
+#include "lib/terms.glsl"
 #include "lib/pixel.glsl"
 #ifdef LISTS
 #extension GL_EXT_shader_atomic_int64 : require
@@ -15,7 +16,7 @@
 
 uint splat_encode(Splat s)
 {
-    return PACKED && PHONG == 0 ? normal_encode(s.normal) : 0;
+    return slot_encode(s);
 }
 
 #ifdef LISTS
@@ -43,11 +44,10 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
     uint at;
     if (behind_host(pixel, f.depth) || !slot_take(pixel, at))
         return;
-    // STP_TAG_OPAQUE to SLOT_OPAQUE.
-    uint word = MIXED ? id | (s.tag & STP_TAG_OPAQUE) << 24 : id;
-    frame.keys.v[at] = PACKED ? key_packed(f, fragment_encode(s, f, encoded)) : key_id(f, word);
+    Slot slot = slot_make(id, s, f, encoded);
+    frame.keys.v[at] = packUint2x32(slot.key);
     if (KEY_IDS)
-        frame.key_ids.v[at] = word;
+        frame.key_ids.v[at] = slot.id;
 }
 
 #include "lib/rasterize.glsl"

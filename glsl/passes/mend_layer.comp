@@ -4,9 +4,12 @@
 // without one is written. CLEAR and FIRST come before the first turn: they empty the state, and put
 // the first layer at hand.
 #include "lib/common.glsl"
+#define WIDE
 #include "lib/splat.glsl"
+#include "lib/key.glsl"
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
+#include "lib/slots.glsl"
 #define MENDED_RAYS
 #include "lib/layers.glsl"
 #include "lib/mend.glsl"
@@ -16,9 +19,9 @@ uint64_t word(uint pixel, uint at)
     return frame.keys.v[mend_at(pixel, at)];
 }
 
-float sum(uint pixel, uint at, float scale)
+int64_t sum(uint pixel, uint at)
 {
-    return float(int64_t(word(pixel, MEND_SUMS + at))) / scale;
+    return int64_t(word(pixel, MEND_SUMS + at));
 }
 
 void clear_sums(uint pixel)
@@ -75,23 +78,15 @@ Ray ray_restore(uint pixel)
     return r;
 }
 
-Surface summed(uint pixel, uvec2 p, uint64_t now, out float alpha)
+Sums sums_restore(uint pixel)
 {
-    Surface s;
-    float scale = frame.sum_scale;
-    s.id = uint(now);
-    s.near_depth = mend_depth(now);
-    s.weight = sum(pixel, 0, scale);
-    s.normal = vec3(sum(pixel, 1, scale), sum(pixel, 2, scale), sum(pixel, 3, scale));
-    s.depth = s.near_depth + sum(pixel, 4, scale) / s.weight * object_epsilon(s.id);
-    if (HAS_COLOR)
-        s.albedo = vec3(sum(pixel, 5, frame.color_scale), sum(pixel, 6, frame.color_scale),
-                        sum(pixel, 7, frame.color_scale));
-    alpha = splat_opacity(s.id);
-    if (OPACITY == 2 && s.weight >= 1e-6)
-        alpha = sum(pixel, 8, scale) / s.weight;
-    s.fragments = uint(word(pixel, MEND_SUMS + 9));
-    s.near_normal = normal_again(splat_known(s.id), p);
+    Sums s = SUMS_NONE;
+    s.weight = sum(pixel, 0);
+    s.depth = sum(pixel, 1);
+    s.normal = i64vec3(sum(pixel, 2), sum(pixel, 3), sum(pixel, 4));
+    s.low = i64vec4(sum(pixel, 5), sum(pixel, 6), sum(pixel, 7), sum(pixel, 8));
+    s.fragments = uint(sum(pixel, 9));
+    s.near_encoded = uint(word(pixel, MEND_NEAR));
     return s;
 }
 
@@ -136,11 +131,13 @@ void turn(uint pixel, uvec2 p)
     uint64_t now = word(pixel, MEND_NOW), wall = word(pixel, MEND_WALL);
     if (now == STP_SUMS_NONE)
         return;
-    float alpha;
+    bool solid = MIXED && now == wall;
+    Rank near = mend_rank(now);
+    Sums sums = sums_restore(pixel);
+    float alpha = OPACITY == 1 ? frame.opacity : sums_alpha(sums, rank_id(near));
     Ray ray = ray_restore(pixel);
-    Surface s = summed(pixel, p, now, alpha);
-    ray_layer(ray, p, s, MIXED && now == wall ? 1 : alpha);
-    if (MIXED && now == wall)
+    ray_layer(ray, p, sums_surface(sums, near, rank_epsilon(near)), solid ? 1 : alpha);
+    if (solid)
         frame.keys.v[mend_at(pixel, MEND_WALL)] = STP_SUMS_NONE;
     ray_store(pixel, ray);
     // Of several samples only a finished ray may be added. A host's frame takes no more turns than

@@ -4,71 +4,78 @@
 // the layer at hand are summed, in fixed point, and the start of the next one is found.
 #include "lib/common.glsl"
 #extension GL_EXT_shader_atomic_int64 : require
+#define WIDE
 #include "lib/splat.glsl"
+#include "lib/key.glsl"
 #include "lib/pixel.glsl"
+#include "lib/terms.glsl"
 #include "lib/mend.glsl"
 
 uint splat_encode(Splat s)
 {
-    return 0;
+    return slot_encode(s);
 }
 
 #ifdef FIND
 
-void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
+void take(uint pixel, Slot slot, Splat s, Fragment f)
 {
-    if (mend_skip(pixel) || behind_host(pixel, f.depth))
-        return;
-    bool opaque = MIXED && (s.tag & STP_TAG_OPAQUE) != 0;
-    atomicMin(frame.keys.v[mend_at(pixel, opaque ? MEND_WALL : MEND_NEXT)],
-              uint64_t(depth_order(f.depth)) << 32 | id);
+    Rank rank = slot_rank(slot, true);
+    uint word = rank_opaque(rank) ? MEND_WALL : MEND_NEXT;
+    atomicMin(frame.keys.v[mend_at(pixel, word)], mend_word(slot));
 }
 
 #else
 
-void add(uint pixel, uint word, float value, float scale)
+void add(uint pixel, uint word, int64_t value)
 {
-    atomicAdd(frame.keys.v[mend_at(pixel, MEND_SUMS + word)],
-              uint64_t(int64_t(round(value * scale))));
+    atomicAdd(frame.keys.v[mend_at(pixel, MEND_SUMS + word)], uint64_t(value));
 }
 
-void sum(uint pixel, uint id, Splat s, Fragment f, float above)
+// What the fragment adds, as it would from a slot.
+void sum(uint pixel, Slot slot, Splat s, Fragment f, Rank near, float epsilon)
 {
-    vec3 n = fragment_normal(s, f);
-    float w = kernel_weight(f.rho2), scale = frame.sum_scale;
-    add(pixel, 0, w, scale);
-    add(pixel, 1, w * n.x, scale);
-    add(pixel, 2, w * n.y, scale);
-    add(pixel, 3, w * n.z, scale);
-    add(pixel, 4, w * above, scale);
-    if (HAS_COLOR) {
-        vec3 c = frame.colors.v[id];
-        add(pixel, 5, w * c.x, frame.color_scale);
-        add(pixel, 6, w * c.y, frame.color_scale);
-        add(pixel, 7, w * c.z, frame.color_scale);
-    }
+    float rho2 = PACKED ? key_rho2(slot.key) : f.rho2;
+    vec3 n = PACKED ? key_normal(slot.key) : fragment_normal(s, f);
+    Sums one = SUMS_NONE;
+    uint packed = PACKED ? slot.key.x & 0xfffffff : normal_encode(n);
+    sums_take(one, true, term_make(slot_rank(slot, true), true, rho2, n, packed), near, 1 / epsilon);
+    if ((KEY_IDS || !PACKED) && slot_word(slot) == near.low)
+        frame.keys.v[mend_at(pixel, MEND_NEAR)] = packed;
+    add(pixel, 0, one.weight);
+    add(pixel, 1, one.depth);
+    for (uint i = 0; i < 3; i++)
+        add(pixel, 2 + i, one.normal[i]);
+    if (HAS_COLOR)
+        for (uint i = 0; i < 3; i++)
+            add(pixel, 5 + i, (one.high[i] << PART_BITS) + one.low[i]);
     if (OPACITY == 2)
-        add(pixel, 8, w * splat_opacity(id), scale);
-    atomicAdd(frame.keys.v[mend_at(pixel, MEND_SUMS + 9)], 1ul);
+        add(pixel, 8, (one.high.a << PART_BITS) + one.low.a);
+    add(pixel, 9, 1);
 }
 
-void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
+void take(uint pixel, Slot slot, Splat s, Fragment f)
 {
-    if (mend_skip(pixel) || behind_host(pixel, f.depth))
-        return;
     uint64_t now = frame.keys.v[mend_at(pixel, MEND_NOW)];
     uint64_t wall = frame.keys.v[mend_at(pixel, MEND_WALL)];
-    bool solid = MIXED && now == wall, opaque = MIXED && (s.tag & STP_TAG_OPAQUE) != 0;
-    float near = mend_depth(now), epsilon = object_epsilon(uint(now));
-    if (now == STP_SUMS_NONE || opaque != solid || f.depth < near ||
-        (!solid && f.depth >= mend_depth(wall)))
+    bool solid = MIXED && now == wall;
+    Rank rank = slot_rank(slot, true), near = mend_rank(now);
+    if (now == STP_SUMS_NONE || rank_opaque(rank) != solid || rank.depth < near.depth ||
+        (!solid && rank.depth >= mend_rank(wall).depth))
         return;
-    if (f.depth <= near + epsilon)
-        sum(pixel, id, s, f, (f.depth - near) / epsilon);
+    float epsilon = rank_epsilon(near);
+    if (rank.depth <= near.depth + epsilon)
+        sum(pixel, slot, s, f, near, epsilon);
     else if (!solid)
-        atomicMin(frame.keys.v[mend_at(pixel, MEND_NEXT)], uint64_t(depth_order(f.depth)) << 32 | id);
+        atomicMin(frame.keys.v[mend_at(pixel, MEND_NEXT)], mend_word(slot));
 }
 
 #endif
+
+void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
+{
+    if (!mend_skip(pixel) && !behind_host(pixel, f.depth))
+        take(pixel, slot_make(id, s, f, encoded), s, f);
+}
 
 #include "lib/rasterize.glsl"

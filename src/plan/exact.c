@@ -46,7 +46,8 @@ static void arm(struct stp_plan *plan, bool layers)
         plan_reads(plan, pass, PLAN_COUNTS);
         one_group(plan, "place lists", PLAN_SHADER_EXACT_PLACE);
     }
-    pass = repair_blocks(plan, "repair clear", layers ? PLAN_SHADER_MEND_CLEAR : PLAN_SHADER_EXACT_CLEAR);
+    pass = repair_blocks(plan, "repair clear",
+                         layers ? PLAN_SHADER_MEND_CLEAR : PLAN_SHADER_EXACT_CLEAR);
     plan_updates(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_COUNTS);
     plan_updates(plan, pass, PLAN_KEYS);
@@ -113,7 +114,8 @@ static void mend(struct stp_plan *plan)
 void plan_exact(struct stp_plan *plan)
 {
     bool layers = plan->transparency == STP_TRANSPARENCY_EXACT;
-    uint64_t pixels = plan_pixels(plan), most = pixels * (STP_SLOTS + (layers ? STP_LIST_SLOTS : 0));
+    uint64_t pixels = plan_pixels(plan),
+             most = pixels * (STP_SLOTS + (layers ? STP_LIST_SLOTS : 0));
     bool fetched = (plan->limits.features & STP_FEATURE_TEXEL_BUFFERS) != 0;
     uint8_t slots = plan_resource(plan, "slots", PLAN_KEYS, PLAN_TRANSIENT, most * 8);
     plan->resource[slots].format = fetched ? PLAN_TEXELS_RG32UI : PLAN_BUFFER;
