@@ -48,7 +48,10 @@ static void arm(struct stp_plan *plan, bool layers)
     }
     pass = repair_blocks(plan, "repair clear",
                          layers ? PLAN_SHADER_MEND_CLEAR : PLAN_SHADER_EXACT_CLEAR);
-    plan_updates(plan, pass, PLAN_WORK);
+    if (layers)
+        plan_updates(plan, pass, PLAN_WORK);
+    else
+        plan_reads(plan, pass, PLAN_WORK);
     plan_reads(plan, pass, PLAN_COUNTS);
     plan_updates(plan, pass, PLAN_KEYS);
 }
