@@ -144,8 +144,8 @@ static void test_many_layers(void **state)
 }
 
 /* A few deep blocks far from each other, drawn again alone: among blocks that are touched but hold
- * every fragment, each is taken once, and nothing else. There is room for the lists of some of them;
- * the others are mended layer by layer. */
+ * every fragment, each is taken once, and nothing else. There is room for the lists of some of
+ * them; the others are mended layer by layer. */
 static void test_deep_blocks_apart(void **state)
 {
     const size_t deep = STP_SLOTS + 9;
