@@ -28,10 +28,10 @@ Device::~Device()
         vkDeviceWaitIdle(device_);
         for (InFlight &f : in_flight_) {
             vkDestroySemaphore(device_, f.acquired, nullptr);
-            vkDestroySemaphore(device_, f.drawn, nullptr);
             vkDestroyFence(device_, f.done, nullptr);
             vkDestroyCommandPool(device_, f.pool, nullptr);
         }
+        make_drawn(0);
         vkDestroySwapchainKHR(device_, swapchain_, nullptr);
         vkDestroyDevice(device_, nullptr);
     }
@@ -152,8 +152,19 @@ void Device::make_frames()
         VkSemaphoreCreateInfo semaphore = {};
         semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
         check(vkCreateSemaphore(device_, &semaphore, nullptr, &f.acquired), "vkCreateSemaphore");
-        check(vkCreateSemaphore(device_, &semaphore, nullptr, &f.drawn), "vkCreateSemaphore");
     }
+}
+
+// In the place of those that there are; the device is idle.
+void Device::make_drawn(size_t count)
+{
+    for (VkSemaphore s : drawn_)
+        vkDestroySemaphore(device_, s, nullptr);
+    drawn_.assign(count, VK_NULL_HANDLE);
+    VkSemaphoreCreateInfo semaphore = {};
+    semaphore.sType = VK_STRUCTURE_TYPE_SEMAPHORE_CREATE_INFO;
+    for (VkSemaphore &s : drawn_)
+        check(vkCreateSemaphore(device_, &semaphore, nullptr, &s), "vkCreateSemaphore");
 }
 
 static VkSurfaceFormatKHR choose_format(VkPhysicalDevice physical, VkSurfaceKHR surface)
@@ -208,6 +219,7 @@ void Device::make_swapchain()
         check(vkGetSwapchainImagesKHR(device_, swapchain_, &count, images_.data()),
               "vkGetSwapchainImagesKHR");
     }
+    make_drawn(images_.size());
     vkDestroySwapchainKHR(device_, old, nullptr);
 }
 
@@ -375,7 +387,7 @@ void Device::submit(InFlight &frame, bool to_window)
     wait.sType = signal.sType = VK_STRUCTURE_TYPE_SEMAPHORE_SUBMIT_INFO;
     wait.semaphore = frame.acquired;
     wait.stageMask = signal.stageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
-    signal.semaphore = frame.drawn;
+    signal.semaphore = to_window ? drawn_[image_] : VK_NULL_HANDLE;
     VkSubmitInfo2 info = {};
     info.sType = VK_STRUCTURE_TYPE_SUBMIT_INFO_2;
     info.waitSemaphoreInfoCount = info.signalSemaphoreInfoCount = to_window ? 1 : 0;
@@ -405,7 +417,7 @@ void Device::present(InFlight &frame, const Image &picture)
     VkPresentInfoKHR info = {};
     info.sType = VK_STRUCTURE_TYPE_PRESENT_INFO_KHR;
     info.waitSemaphoreCount = 1;
-    info.pWaitSemaphores = &frame.drawn;
+    info.pWaitSemaphores = &drawn_[image_];
     info.swapchainCount = 1;
     info.pSwapchains = &swapchain_;
     info.pImageIndices = &image_;

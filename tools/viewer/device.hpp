@@ -45,7 +45,6 @@ struct InFlight {
     VkCommandBuffer commands = VK_NULL_HANDLE;
     VkFence done = VK_NULL_HANDLE;
     VkSemaphore acquired = VK_NULL_HANDLE;
-    VkSemaphore drawn = VK_NULL_HANDLE;
 };
 
 class Device
@@ -106,6 +105,7 @@ class Device
     void make_device();
     void make_frames();
     void make_swapchain();
+    void make_drawn(size_t count);
     void restart(InFlight &frame);
     void submit(InFlight &frame, bool to_window);
     uint32_t memory_type(uint32_t allowed, VkMemoryPropertyFlags flags) const;
@@ -122,6 +122,8 @@ class Device
     VkSwapchainKHR swapchain_ = VK_NULL_HANDLE;
     VkExtent2D extent_ = {};
     std::vector<VkImage> images_;
+    // One an image, not one a frame: a fence says nothing of when a presentation has waited.
+    std::vector<VkSemaphore> drawn_;
     uint32_t image_ = 0;
     InFlight in_flight_[frames];
     unsigned next_ = 0;

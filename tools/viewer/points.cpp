@@ -55,7 +55,8 @@ void Points::choose(unsigned way, const stp_camera &largest, VkFormat color, VkF
           "uploading");
     resident_.reset(resident);
     device_.run([&](VkCommandBuffer commands) {
-        check(stp_resident_record_upload(nullptr, resident, commands, 0), "uploading");
+        const uint32_t family = device_.import().queue_family;
+        check(stp_resident_record_upload(nullptr, resident, commands, family), "uploading");
     });
     stp_resident_release_staging(resident);
     stp_host_frame_params wanted = {};
