@@ -106,7 +106,9 @@ bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice dev
     if (!info->usable)
         return false;
     snprintf(l->driver, sizeof l->driver, "%.120s %.120s", v12.driverName, v12.driverInfo);
-    l->max_allocation = v11.maxMemoryAllocationSize;
+    l->max_allocation = v11.maxMemoryAllocationSize < v13.maxBufferSize
+                            ? v11.maxMemoryAllocationSize
+                            : v13.maxBufferSize;
     l->max_image_size = p.properties.limits.maxImageDimension2D;
     l->max_image_layers = p.properties.limits.maxImageArrayLayers;
     l->max_workgroups = p.properties.limits.maxComputeWorkGroupCount[0];
@@ -134,8 +136,10 @@ static enum stp_result find_queue(const struct stp_env *env, struct stp_context 
         context->family = i;
         VkPhysicalDeviceProperties2 p = { .sType = VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_PROPERTIES_2 };
         context->instance.vk.vkGetPhysicalDeviceProperties2(context->physical, &p);
-        if (families[i].timestampValidBits)
+        uint32_t bits = families[i].timestampValidBits;
+        if (bits)
             context->timestamp_ms = p.properties.limits.timestampPeriod * 1e-6;
+        context->timestamp_mask = bits < 64 ? ((uint64_t)1 << bits) - 1 : UINT64_MAX;
         return STP_OK;
     }
     return log_error(env, STP_ERROR_FEATURE, "%s has no queue for graphics and compute",

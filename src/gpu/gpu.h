@@ -71,6 +71,7 @@ struct stp_context {
     VkPhysicalDeviceMemoryProperties memory;
     struct stp_limits limits;
     double timestamp_ms;       /* of one tick; 0: no timestamps */
+    uint64_t timestamp_mask;   /* ticks wrap at as many bits as the queue has */
     uint64_t allocated, peak;  /* bytes of device memory */
     unsigned messages;         /* of the validation layers */
     const struct stp_env *env; /* of the call that is running; NULL between calls */

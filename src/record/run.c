@@ -45,7 +45,7 @@ static enum stp_result add_timestamps(const struct stp_env *env, struct record_f
         return gpu_error(env, status, "vkGetQueryPoolResults");
     for (uint32_t i = 0; i < steps.count; i++) {
         uint32_t sample, pass = record_step(&steps, i, &sample);
-        ms[pass] += (double)(ticks[i + 1] - ticks[i]) * c->timestamp_ms;
+        ms[pass] += (double)((ticks[i + 1] - ticks[i]) & c->timestamp_mask) * c->timestamp_ms;
     }
     return STP_OK;
 }
