@@ -73,7 +73,9 @@ struct stp_import {
     /* As enabled at device creation: the chain of VkDeviceCreateInfo, VkPhysicalDeviceFeatures2
      * with the 1.2 and 1.3 structs or those of the single features. Read during the call only. */
     const VkPhysicalDeviceFeatures2 *features;
-    VkPipelineCache pipeline_cache; /* the host's, or VK_NULL_HANDLE */
+    /* The host's, or VK_NULL_HANDLE; not one made with EXTERNALLY_SYNCHRONIZED: pipelines are
+     * compiled on several threads (those of stp_env) at once. */
+    VkPipelineCache pipeline_cache;
     struct stp_device_allocator allocator;
     unsigned mask_features; /* enum stp_feature, or-ed: used as if they were not enabled */
 };
@@ -148,7 +150,7 @@ struct stp_host_frame_params {
     const struct stp_device_memory *scratch;
 };
 /* What the scratch memory of a frame of that plan and those params needs; memoryTypeBits is 0 where
- * no one type holds all of it. */
+ * no one type, or no one allocation, holds all of it. */
 STP_API enum stp_result stp_frame_scratch(const struct stp_env *env, struct stp_context *context,
                                           const struct stp_plan *plan,
                                           const struct stp_host_frame_params *params,

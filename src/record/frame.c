@@ -121,7 +121,8 @@ enum stp_result record_frame_create(const struct stp_env *env, struct stp_contex
     return keep_or_destroy(result, frame);
 }
 
-/* One block, unless no type of memory holds both the buffers and the images. */
+/* One block, unless no type of memory holds both the buffers and the images, or no allocation may
+ * be so large. */
 static enum stp_result make_scratch(const struct stp_env *env, struct record_frame *frame,
                                     const struct record_host *host)
 {
@@ -131,9 +132,10 @@ static enum stp_result make_scratch(const struct stp_env *env, struct record_fra
     }
     VkMemoryRequirements needs =
         record_resources_need(frame->context, frame->plan, RECORD_WITHOUT_SCENE);
-    return needs.memoryTypeBits ? gpu_block_create(env, frame->context, &needs, GPU_DEVICE,
-                                                   "a frame's scratch", &frame->scratch)
-                                : STP_OK;
+    if (!needs.memoryTypeBits || needs.size > frame->context->limits.max_allocation)
+        return STP_OK;
+    return gpu_block_create(env, frame->context, &needs, GPU_DEVICE, "a frame's scratch",
+                            &frame->scratch);
 }
 
 enum stp_result record_frame_create_hosted(const struct stp_env *env, struct stp_context *context,

@@ -97,8 +97,11 @@ enum stp_result stp_frame_scratch(const struct stp_env *env, struct stp_context 
     enum stp_result result = check(env, context, plan, params);
     if (result == STP_OK)
         result = own_plan(env, plan, params, &own);
-    if (result == STP_OK)
+    if (result == STP_OK) {
         *requirements = record_resources_need(context, own, RECORD_WITHOUT_SCENE);
+        if (requirements->size > context->limits.max_allocation)
+            requirements->memoryTypeBits = 0;
+    }
     stp_plan_destroy(&own);
     return result;
 }

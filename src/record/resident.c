@@ -56,6 +56,7 @@ static bool is_ours(const struct stp_resident *resident, const struct plan_resou
     return r->lifetime == PLAN_SCENE && !(r->slot == PLAN_SPLATS && resident->borrowed);
 }
 
+/* One block, unless no allocation may be so large. */
 static enum stp_result make_block(const struct stp_env *env, const struct stp_plan *plan,
                                   struct stp_resident *resident)
 {
@@ -66,8 +67,20 @@ static enum stp_result make_block(const struct stp_env *env, const struct stp_pl
         VkMemoryRequirements needs = gpu_buffer_needs(resident->context, plan->resource[i].bytes);
         gpu_needs_add(resident->context, &needs, &sum);
     }
+    if (sum.size > resident->context->limits.max_allocation)
+        return STP_OK;
     return gpu_block_create(env, resident->context, &sum, GPU_DEVICE, "the scene",
                             &resident->block);
+}
+
+static enum stp_result make_buffer(const struct stp_env *env, const struct plan_resource *r,
+                                   struct stp_resident *resident)
+{
+    struct stp_context *c = resident->context;
+    struct gpu_buffer *buffer = &resident->buffer[r->slot];
+    return resident->block.part.where.memory
+               ? gpu_buffer_place(env, c, r->bytes, &resident->block, r->name, buffer)
+               : gpu_buffer_create(env, c, r->bytes, GPU_DEVICE, r->name, buffer);
 }
 
 /* A frame of nothing but the scene's resources is what record_upload fills. */
@@ -84,8 +97,7 @@ static enum stp_result upload(const struct stp_env *env, const struct stp_scene 
         }
         if (!is_ours(resident, r))
             continue;
-        result = gpu_buffer_place(env, resident->context, r->bytes, &resident->block, r->name,
-                                  &resident->buffer[r->slot]);
+        result = make_buffer(env, r, resident);
         holder.resources.buffer[i] = resident->buffer[r->slot];
     }
     return result == STP_OK ? record_upload(env, &holder, scene) : result;

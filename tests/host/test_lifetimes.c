@@ -174,6 +174,63 @@ static void test_memory_of_the_host(void **state)
     stage_close(&s);
 }
 
+/* A loader of a device that allows no allocation of more than this. */
+#define SMALL_ALLOCATION 4096
+
+static void VKAPI_CALL small_properties(VkPhysicalDevice device, VkPhysicalDeviceProperties2 *p)
+{
+    vkGetPhysicalDeviceProperties2(device, p);
+    for (VkBaseOutStructure *s = p->pNext; s; s = s->pNext)
+        if (s->sType == VK_STRUCTURE_TYPE_PHYSICAL_DEVICE_VULKAN_1_1_PROPERTIES)
+            ((VkPhysicalDeviceVulkan11Properties *)(void *)s)->maxMemoryAllocationSize =
+                SMALL_ALLOCATION;
+}
+
+static PFN_vkVoidFunction VKAPI_CALL small_loader(VkInstance instance, const char *name)
+{
+    return strcmp(name, "vkGetPhysicalDeviceProperties2") == 0
+               ? (PFN_vkVoidFunction)small_properties
+               : vkGetInstanceProcAddr(instance, name);
+}
+
+/* What one allocation may not hold together is allocated one by one, and the picture is the same.
+ */
+static void test_small_allocations(void **state)
+{
+    const struct stp_render_params params = { .method = STP_METHOD_EXACT };
+    struct stage s;
+    stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
+    struct counting counting = { .engine = &s.engine };
+    struct stp_import import = engine_import(&s.engine);
+    struct stp_context *context = NULL;
+    import.get_instance_proc_addr = small_loader;
+    import.allocator = (struct stp_device_allocator){ &counting, give, take_back };
+    assert_int_equal(stp_context_import(&s.engine.env, &import, &context), STP_OK);
+    assert_true(stp_context_limits(context)->max_allocation == SMALL_ALLOCATION);
+    struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &params);
+    struct stp_resident *resident = stage_resident(&s.engine, context, s.scene, plan, NULL);
+    assert_true(counting.given >= 2);
+    unsigned given = counting.given;
+    struct stp_host_frame_params format = floats;
+    VkMemoryRequirements needs;
+    assert_int_equal(stp_frame_scratch(&s.engine.env, context, plan, &format, &needs), STP_OK);
+    assert_int_equal(needs.memoryTypeBits, 0);
+    struct stp_frame *frame = stage_frame(&s.engine, context, plan, &format);
+    assert_true(counting.given >= given + 2);
+    struct stp_targets targets = stage_targets(&s);
+    struct stp_image *expected = stage_offline(&s.engine, s.scene, &s.camera, &params);
+    float *texels = picture(&s, frame, resident, &targets);
+    stage_same(expected, texels, "allocations one by one");
+    free(texels);
+    stp_image_destroy(&expected);
+    stp_frame_destroy(&frame);
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
+    stp_context_destroy(&context);
+    assert_int_equal(counting.given, counting.released);
+    stage_close(&s);
+}
+
 /* Memory to be written by the host that the allocator did not map: refused, and given back. */
 static void test_not_mapped(void **state)
 {
@@ -349,9 +406,10 @@ static void test_placed(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_refused),          cmocka_unit_test(test_single_structs),
-        cmocka_unit_test(test_not_mapped),       cmocka_unit_test(test_memory_of_the_host),
-        cmocka_unit_test(test_points_that_move), cmocka_unit_test(test_placed),
+        cmocka_unit_test(test_refused),           cmocka_unit_test(test_single_structs),
+        cmocka_unit_test(test_not_mapped),        cmocka_unit_test(test_memory_of_the_host),
+        cmocka_unit_test(test_points_that_move),  cmocka_unit_test(test_placed),
+        cmocka_unit_test(test_small_allocations),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
