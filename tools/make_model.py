@@ -157,7 +157,8 @@ def main():
         print(__doc__.strip())
         return
     if len(sys.argv) > 2 or sys.argv[1:2] and sys.argv[1].startswith("-"):
-        sys.exit("usage: tools/make_model.py [OUT.ply]")
+        print("usage: tools/make_model.py [OUT.ply]", file=sys.stderr)
+        sys.exit(2)
     path = sys.argv[1] if len(sys.argv) > 1 else os.path.join(here, "..", "assets", "knot.ply")
     points = [*knot_points(), *pearl_points()]
     with open(path, "wb") as out:
