@@ -153,6 +153,12 @@ end_header
 
 def main():
     here = os.path.dirname(os.path.abspath(__file__))
+    if sys.argv[1:] in (["-h"], ["--help"]):
+        print(__doc__.strip())
+        return
+    if len(sys.argv) > 2 or sys.argv[1:2] and sys.argv[1].startswith("-"):
+        print("usage: tools/make_model.py [OUT.ply]", file=sys.stderr)
+        sys.exit(2)
     path = sys.argv[1] if len(sys.argv) > 1 else os.path.join(here, "..", "assets", "knot.ply")
     points = [*knot_points(), *pearl_points()]
     with open(path, "wb") as out:

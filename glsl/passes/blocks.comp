@@ -24,13 +24,14 @@ bool listed(uint block)
 }
 
 #ifdef OVERFLOWED
-// The fragments of its deep pixels, which exact_place finds room for.
+// The fragments of its deep pixels, which exact_place finds room for; no more of a pixel than are too
+// many, so that the sum fits.
 void count_deep(uint block)
 {
     uint sum = 0;
     for (uint i = 0; i < STP_GROUP; i++) {
         uint pixel = block * STP_GROUP + i;
-        sum += deep(pixel) ? frame.counts.v[pixel] : 0;
+        sum += deep(pixel) ? min(frame.counts.v[pixel], list_room()) : 0;
     }
     frame.work.v[list_block(block)] = sum;
 }

@@ -4,8 +4,9 @@
 
 #define CELLS_FEW   256
 #define CELLS_MANY  1536
-#define CELLS_PART  4096  /* of each further look, until all are seen */
-#define CELLS_DRAWN 16384 /* where each look takes a picture of its own, as pyramid's */
+#define CELLS_PART  4096     /* of each further look, until all are seen */
+#define LOOK_MOST   67108864 /* fragments of a picture that is looked at whole: some ten seconds */
+#define CELLS_DRAWN 16384    /* where each look takes a picture of its own, as pyramid's */
 /* An estimate counts as within the bound when it still is this many standard errors higher, and as
  * beyond when it still is that many lower. */
 #define CONFIDENCE 3
@@ -213,7 +214,7 @@ static enum stp_result sample(struct choosing *c, const struct auto_candidate *c
 }
 
 /* What samples leave open waits until nothing else is about as cheap. Of one picture, without a
- * bound, it is not worth more. */
+ * bound, it is not worth more; and where splats pile up a look would take minutes. */
 static enum stp_result decide(struct choosing *c, struct auto_candidate *candidate)
 {
     struct estimate e = { .high = INFINITY };
@@ -224,7 +225,8 @@ static enum stp_result decide(struct choosing *c, struct auto_candidate *candida
     if (result == STP_OK)
         result = candidate->close ? look_on(c, candidate, &e) : sample(c, candidate, &e, &done);
     candidate->error = e.high;
-    candidate->close = !done && !candidate->close && c->params.max_error > 0;
+    candidate->close =
+        !done && !candidate->close && c->params.max_error > 0 && c->survey.fragments <= LOOK_MOST;
     if (!candidate->close)
         candidate->stage = e.high <= c->bound ? AUTO_ACCEPTED : AUTO_REFUSED;
     return result;

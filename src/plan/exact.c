@@ -172,7 +172,7 @@ static enum plan_cost cost(const struct stp_plan *plan, const struct survey *sur
     return plan->constant[PLAN_KEY_IDS] ? PLAN_COST_EXACT_PACKED_IDS : PLAN_COST_EXACT_PACKED;
 }
 
-#define WEIGHT_UNIT 16777216.0 /* UNIT of glsl/lib/slots.glsl */
+#define WEIGHT_UNIT 16777216.0 /* UNIT of glsl/lib/terms.glsl */
 
 /* Every fragment; what is summed are integers. */
 static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, size_t count)

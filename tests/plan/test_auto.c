@@ -121,6 +121,26 @@ static void test_close(void **state)
     release_inputs(&in);
 }
 
+/* Where discs pile up a look at all cells would take minutes: what samples leave open is refused.
+ */
+static void test_piled(void **state)
+{
+    struct inputs in = { .scene = scene_make(90, 1, 4), .camera = plain_camera(1400, 1000, 1375) };
+    for (int i = 0; i < 90; i++)
+        scene_add(in.scene, v3(0, 0, -3), v3(0.002 * i, 0.3, 1), 4);
+    scene_finish(in.scene);
+    price_nothing(&in);
+    price_all(&in, 100, 2, 5);
+    in.params.method = STP_METHOD_EXACT;
+    in.params.max_error = 1;
+    struct stp_choice choice = choose(&in);
+    assert_int_equal(choice.params.payload, STP_PAYLOAD_PACKED);
+    double most;
+    in.params.max_error = error_by(&in, &choice, MANY, &most).mean;
+    assert_int_equal(choose(&in).params.payload, STP_PAYLOAD_ID);
+    release_inputs(&in);
+}
+
 /* Prices do not tell ways apart that are about as dear: then groups are not sought. */
 static void test_doubt(void **state)
 {
@@ -380,14 +400,14 @@ static void test_close_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bounds),          cmocka_unit_test(test_close),
-        cmocka_unit_test(test_doubt),           cmocka_unit_test(test_prices),
-        cmocka_unit_test(test_one_picture),     cmocka_unit_test(test_considered),
-        cmocka_unit_test(test_fixed),           cmocka_unit_test(test_same),
-        cmocka_unit_test(test_sentence),        cmocka_unit_test(test_unmet),
-        cmocka_unit_test(test_bright),          cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_pyramid),         cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_close_no_memory),
+        cmocka_unit_test(test_bounds),     cmocka_unit_test(test_close),
+        cmocka_unit_test(test_piled),      cmocka_unit_test(test_doubt),
+        cmocka_unit_test(test_prices),     cmocka_unit_test(test_one_picture),
+        cmocka_unit_test(test_considered), cmocka_unit_test(test_fixed),
+        cmocka_unit_test(test_same),       cmocka_unit_test(test_sentence),
+        cmocka_unit_test(test_unmet),      cmocka_unit_test(test_bright),
+        cmocka_unit_test(test_refused),    cmocka_unit_test(test_pyramid),
+        cmocka_unit_test(test_no_memory),  cmocka_unit_test(test_close_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
