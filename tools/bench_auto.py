@@ -42,8 +42,6 @@ def stipple(*arguments):
     return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True).stdout
 
 
-# --- auto ------------------------------------------------------------------------------------------
-
 def way(pick, prefix=""):
     words = [pick[prefix + "method"], pick[prefix + "path"]]
     if pick[prefix + "overlap"]:
@@ -95,8 +93,6 @@ def auto(models, rounds, more, keep):
     print(f"\n{kept} of {total} choices are within their bound; {near} of {total} within 15 % of the "
           f"fastest, {spread} within that or the quartiles of the two times.")
 
-
-# --- bounds ----------------------------------------------------------------------------------------
 
 BOUNDS = ["1e-2", "3e-3", "1e-3", "1e-4", "1e-5"]
 SMALL = ["--size", "800x600", "-q"]
@@ -170,8 +166,6 @@ def bounds(models, more):
         print(f"Not rendered: {os.path.basename(model)}: {line}", file=sys.stderr)
 
 
-# --- features --------------------------------------------------------------------------------------
-
 PLAIN = ["--two-sided", "off", "--min-splat", "0", "--size", "512x512", "-q"]
 FEATURES = [
     ("two-sided", ["--two-sided", "on"]),
@@ -230,8 +224,6 @@ def features(model, method, rounds):
         ms = f"{least[k]:.1f} | {least[k] / least[0]:.2f}" if rounds else "- | -"
         print(f"| {name} | {constants} | {what} | {sum(on[1].values()) - sum(off[1].values())} | {ms} |")
 
-
-# --- prices ----------------------------------------------------------------------------------------
 
 def costs(*arguments):
     """Of a run's log: kind, milliseconds, amounts."""
@@ -317,8 +309,6 @@ def prices(models, only, lean, write):
     if write:
         subprocess.run(["clang-format", "-i", PROFILE], check=True)
 
-
-# --- reports ---------------------------------------------------------------------------------------
 
 def reports(folder, models):
     for model in models:

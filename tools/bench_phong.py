@@ -45,7 +45,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
 
 
-# --- smooth shapes: position and normal of two numbers in [0, 1) ---------------------------------
+# Smooth shapes: position and normal of two numbers in [0, 1).
 def on_sphere(a, b):
     z, angle = 2 * a - 1, 2 * math.pi * b
     r = math.sqrt(1 - z * z)

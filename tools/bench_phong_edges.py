@@ -45,7 +45,6 @@ def unit(a):
     return (a[0] / length, a[1] / length, a[2] / length)
 
 
-# --- the solid -----------------------------------------------------------------------------------
 def read_obj(path):
     points, faces = [], []
     with open(path) as text:
@@ -127,7 +126,6 @@ class Mesh:
             out.write(b"".join(rows))
 
 
-# --- its pictures --------------------------------------------------------------------------------
 class View:
     """Without perspective, the whole solid in a square of `pixels`."""
     def __init__(self, mesh, azimuth, elevation, pixels):

@@ -77,7 +77,7 @@ struct settings {
     bool half, quick, json, quiet, verbose, with_groups, calibrate;
 };
 
-/* --- option_table.c: the one table; options.c: its parser --------------------------------- */
+/* option_table.c: the one table; options.c: its parser. */
 
 struct option_spec;
 /* Writes `text` to `target`; false: not allowed, and nothing is written. */
@@ -115,12 +115,12 @@ bool option_given(const struct settings *settings, const char *name);
 int wrong_usage(const struct command *command, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 
-/* --- help.c -------------------------------------------------------------------------------- */
+/* help.c */
 
 void help_command(const struct command *command);
 void help_all(FILE *out, const struct command *commands, unsigned count);
 
-/* --- values.c: one parser for each kind of value ------------------------------------------- */
+/* values.c: one parser for each kind of value. */
 
 bool value_flag(const struct option_spec *spec, const char *text, void *target);     /* bool */
 bool value_text(const struct option_spec *spec, const char *text, void *target);     /* char * */
@@ -149,7 +149,7 @@ bool value_min_splat(const struct option_spec *spec, const char *text, void *tar
 
 extern const struct value_name aov_names[], relax_names[];
 
-/* --- console.c: log lines and the progress bar on stderr ----------------------------------- */
+/* console.c: log lines and the progress bar on stderr. */
 
 struct console {
     struct stp_env env; /* env.user is this console */
@@ -171,7 +171,7 @@ void console_warning(struct console *console, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 double seconds_now(void);
 
-/* --- output.c ------------------------------------------------------------------------------ */
+/* output.c */
 
 /* Before anything is computed: can `path` be written, and is it none of the inputs? Logs. */
 bool output_possible(struct console *console, const char *path, const struct settings *settings);
@@ -186,7 +186,7 @@ char *pattern_expand(const char *pattern, uint32_t frame);
 void signals_hold(void);
 void signals_release(void);
 
-/* --- stages.c: from the settings to library objects ---------------------------------------- */
+/* stages.c: from the settings to library objects. */
 
 struct run_times {
     double load, prepare, write; /* milliseconds; prepare includes grouping */
@@ -210,7 +210,7 @@ int choose_way(struct console *console, const struct settings *settings, struct 
                const struct stp_camera *camera, const struct stp_limits *limits,
                struct stp_choice *choice);
 
-/* --- context.c: making a context takes long enough to be worth a thread beside loading -------- */
+/* context.c: making a context takes long enough to be worth a thread beside loading. */
 
 struct context_job {
     pthread_t thread;
@@ -232,7 +232,7 @@ int context_calibrate(struct context_job *job, const struct settings *settings,
 /* Safe for a job that was never started. */
 void context_close(struct context_job *job);
 
-/* --- json_out.c ------------------------------------------------------------------------------ */
+/* json_out.c */
 
 struct cJSON;
 /* JSON being built: what there was no memory for is left out and remembered, so that only the end
@@ -253,13 +253,13 @@ void json_bool(struct json_out *out, struct cJSON *parent, const char *key, bool
 /* To stdout; says so, and EXIT_FAILED, where something is missing. */
 int json_print(struct console *console, struct json_out *out, const struct cJSON *root);
 
-/* --- pictures.c ----------------------------------------------------------------------------- */
+/* pictures.c */
 
 /* The flat and the deep file and the preview of frame `index`, as far as they are wanted. */
 int write_pictures(struct console *console, const struct settings *settings,
                    const struct stp_plan *plan, struct stp_image *image, uint32_t index);
 
-/* --- stats.c ------------------------------------------------------------------------------- */
+/* stats.c */
 
 /* One frame's object, with the keys that the man page lists, at the end of the list. */
 void stats_add(struct json_out *out, struct cJSON *list, const struct stp_limits *limits,
@@ -267,7 +267,7 @@ void stats_add(struct json_out *out, struct cJSON *list, const struct stp_limits
                const struct stp_render_stats *render, const struct run_times *times,
                const struct stp_image *image);
 
-/* --- the commands -------------------------------------------------------------------------- */
+/* The commands. */
 
 int run_info(struct settings *settings);
 int run_render(struct settings *settings);

@@ -114,8 +114,6 @@ static int find_intent(struct console *console, const struct settings *settings,
     return EXIT_DONE;
 }
 
-/* --- text ------------------------------------------------------------------------------------ */
-
 static void row(const char *name)
 {
     printf("  %-9s ", name);
@@ -266,8 +264,6 @@ static void print_text(const char *path, const struct stp_facts *facts,
     if (lies_flat(facts))
         printf("            and --up z, should it lie on its side\n");
 }
-
-/* --- JSON ------------------------------------------------------------------------------------ */
 
 static void add_counts(struct json_out *out, cJSON *json, const struct stp_facts *facts)
 {

@@ -34,8 +34,6 @@ static double ms_since(double start)
     return (seconds_now() - start) * 1e3;
 }
 
-/* --- before anything is read ----------------------------------------------------------------- */
-
 static int check_frames(const struct settings *settings)
 {
     const struct command *command = settings->command;
@@ -119,8 +117,6 @@ static int together(struct run *run, int status)
     }
     return status;
 }
-
-/* --- one frame ------------------------------------------------------------------------------- */
 
 /* Collective, also where the plan could not be made. */
 static int render_share(struct run *run, struct frame *frame, enum stp_result planned)
@@ -206,8 +202,6 @@ static int do_frame(struct run *run, uint32_t index)
     stp_plan_destroy(&frame.plan);
     return status;
 }
-
-/* --- all of it ------------------------------------------------------------------------------- */
 
 static int check_camera_path(struct run *run)
 {

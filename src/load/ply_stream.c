@@ -10,8 +10,6 @@
 #include "base/memory.h"
 #include "load/ply.h"
 
-/* --- can rows be read alone? ------------------------------------------------------------------ */
-
 static bool has_byte_colors(const struct table *table)
 {
     for (unsigned i = 0; i < table->count; i++) {
@@ -70,8 +68,7 @@ static bool find_rows(const struct stp_env *, const struct ply_header *header,
            stream->count <= (stream->bytes.size - stream->offset) / stream->stride;
 }
 
-/* --- a file of some of the rows --------------------------------------------------------------- */
-
+/* A file of some of the rows. */
 static void write_head(FILE *out, const struct ply_header *header)
 {
     fprintf(out, "ply\nformat binary_%s_endian 1.0\n%selement vertex ",
@@ -171,8 +168,6 @@ static enum stp_result try_row(const struct stp_env *env, struct ply_stream *str
     cloud_release(&cloud);
     return result;
 }
-
-/* --- opening ---------------------------------------------------------------------------------- */
 
 static enum stp_result open_vertices(const struct stp_env *env, const char *path,
                                      const struct ply_header *header, bool radius,

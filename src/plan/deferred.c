@@ -77,8 +77,6 @@ void plan_deferred(struct stp_plan *plan)
         layers(plan);
 }
 
-/* --- what it tells auto --------------------------------------------------------------------- */
-
 static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
 {
     static const double overlaps[] = { 0.4, 0.6, 0.8, 1 };

@@ -146,8 +146,6 @@ void plan_exact(struct stp_plan *plan)
     repair(plan);
 }
 
-/* --- what it tells auto --------------------------------------------------------------------- */
-
 static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
 {
     candidate[0] = (struct plan_candidate){ .method = STP_METHOD_EXACT,

@@ -2,9 +2,6 @@
  * peeling to a few depths. Fast and nearest make no offer (docs/auto.md says why). */
 #include "plan/offer.h"
 
-/* --- exact -------------------------------------------------------------------------------------
- */
-
 static unsigned exact_candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
 {
     candidate[0] = (struct plan_candidate){ .method = STP_METHOD_EXACT,
@@ -53,9 +50,6 @@ const struct plan_offer plan_layers_offer = { .method = STP_METHOD_EXACT,
                                               .candidates = exact_candidates,
                                               .cost = exact_cost,
                                               .keep = exact_keep };
-
-/* --- peel --------------------------------------------------------------------------------------
- */
 
 /* Two layers first: calibration times the first of a kind. */
 static unsigned peel_candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])

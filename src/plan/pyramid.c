@@ -4,8 +4,6 @@
 
 #include <stdio.h>
 
-/* --- resources -------------------------------------------------------------------------------- */
-
 /* The largest grid of any tile; where it begins does not matter. */
 static void largest_grid(const struct stp_plan *plan, uint32_t *width, uint32_t *height)
 {
@@ -98,8 +96,6 @@ void plan_pyramid_resources(struct stp_plan *plan)
     scene_resources(plan);
     transient_resources(plan);
 }
-
-/* --- passes ----------------------------------------------------------------------------------- */
 
 static struct plan_pass *dispatch(struct stp_plan *plan, const char *name, enum plan_shader shader)
 {

@@ -18,8 +18,6 @@ static uint32_t depth_order(float depth)
     return bits & 0x80000000u ? ~bits : bits | 0x80000000u;
 }
 
-/* --- points ----------------------------------------------------------------------------------- */
-
 /* A point in the device's camera frame, and where it falls. */
 struct placed {
     struct vec3 center, normal;
@@ -98,8 +96,6 @@ static struct pyramid_texel point_texel(const struct pyramid *p, int64_t x, int6
     return t;
 }
 
-/* --- texels ----------------------------------------------------------------------------------- */
-
 int64_t pyramid_origin(const struct pyramid *p, unsigned level, int axis)
 {
     return (axis ? p->plan->grid.y : p->plan->grid.x) >> level;
@@ -145,8 +141,6 @@ struct pyramid_meeting pyramid_meet(const struct pyramid *p, const struct pyrami
     m.hit = m.away2 <= radius * radius;
     return m;
 }
-
-/* --- pull ------------------------------------------------------------------------------------- */
 
 /* Sums over the children that count become their mean. */
 static void finish_mean(struct pyramid_texel *mean, struct vec3 normal, double count,
@@ -233,8 +227,6 @@ static struct pyramid_texel mean_of(const struct pyramid *p, unsigned level, int
     }
     return mean;
 }
-
-/* --- levels ----------------------------------------------------------------------------------- */
 
 struct step {
     const struct pyramid *pyramid;

@@ -87,9 +87,7 @@ static void center_of(const struct pyramid *p, const struct pyramid_texel *t, in
         center[k] += (double)t->center[k];
 }
 
-/* --- the rim (glsl/lib/rim.glsl) ----------------------------------------------------------------
- */
-
+/* The rim, as in glsl/lib/rim.glsl. */
 static double crowd_of(const struct pyramid *p, const struct pyramid_texel *t,
                        const double center[2])
 {
@@ -229,9 +227,6 @@ static void reach_far(const struct drawing *d, size_t id)
         }
 }
 
-/* --- a pixel ------------------------------------------------------------------------------------
- */
-
 /* The push of level 0: what the pixel shows. *doubtful: discs may hide that yet. */
 static bool shade_pixel(const struct drawing *d, const int64_t at[2], const double q[2],
                         struct shown *s, bool *doubtful)
@@ -335,9 +330,6 @@ bool pyramid_can_judge(const struct stp_plan *plan)
            (plan->chunk_count == 0 &&
             (uint64_t)plan->grid.width * plan->grid.height <= PYRAMID_MOST_PIXELS);
 }
-
-/* --- what it tells auto -------------------------------------------------------------------------
- */
 
 static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
 {

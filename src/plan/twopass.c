@@ -171,8 +171,6 @@ void plan_twopass(struct stp_plan *plan)
         raster(plan);
 }
 
-/* --- what it tells auto --------------------------------------------------------------------- */
-
 static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
 {
     candidate[0] = (struct plan_candidate){ .method = STP_METHOD_TWO_PASS,

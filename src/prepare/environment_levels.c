@@ -40,8 +40,7 @@ void environment_level_size(const struct environment_map *map, float roughness, 
         *width = (*width + map->width - 1) / map->width * map->width;
 }
 
-/* --- a coarser map: tents weighted by solid angle ------------------------------------------- */
-
+/* A coarser map: tents weighted by solid angle. */
 struct shrinking {
     const struct environment_map *in, *out;
 };
@@ -119,8 +118,6 @@ static void shrink_rows(void *context, size_t begin, size_t end, unsigned)
         for (uint32_t x = 0; x < s->out->width; x++)
             shrink_texel(s, x, (uint32_t)y);
 }
-
-/* --- the lobe --------------------------------------------------------------------------------- */
 
 struct lobe {
     const struct environment_map *map, *source;
@@ -231,8 +228,6 @@ static enum stp_result fill_rough(const struct stp_env *env, const struct enviro
         environment_map_release(&shrunk);
     return result;
 }
-
-/* --- all of a level --------------------------------------------------------------------------- */
 
 /* The pole's row beside `row`: its mean, everywhere. */
 static void fill_pole(const float (*row)[3], float (*pole)[3], uint32_t width)

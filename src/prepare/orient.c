@@ -20,8 +20,6 @@ struct surface {
     const uint32_t (*neighbour)[SURROUND_GRAPH];
 };
 
-/* --- edges ------------------------------------------------------------------------------- */
-
 /* Edges as SURROUND_GRAPH times the point, plus which neighbour; sorted by weight by counting, so
  * that nothing but this one array is needed. Ties stay in the order of ids. */
 struct edges {
@@ -100,8 +98,7 @@ static enum stp_result edges_build(const struct stp_env *env, struct edges *e)
     return e->slot ? STP_OK : log_no_memory(env, e->count * sizeof *e->slot, "edges");
 }
 
-/* --- a spanning forest that knows, for each point, whether it is turned against its root ----- */
-
+/* A spanning forest that knows, for each point, whether it is turned against its root. */
 struct forest {
     uint32_t *parent, *size;
     uint8_t *against; /* the parent */
@@ -157,8 +154,6 @@ static void turn_to_root(struct forest *f, const struct surface *s)
     }
     memcpy(f->parent, f->size, s->count * sizeof *f->parent);
 }
-
-/* --- outward --------------------------------------------------------------------------------- */
 
 struct component {
     struct vec3 sum, normals;

@@ -29,9 +29,6 @@ void patch_set_release(struct patch_set *set)
     *set = (struct patch_set){ 0 };
 }
 
-/* --- candidates --------------------------------------------------------------------------------
- */
-
 static int by_site(const void *a, const void *b)
 {
     uint32_t p = *(const uint32_t *)a, q = *(const uint32_t *)b;
@@ -129,9 +126,7 @@ static enum stp_result find_candidates(struct cover *c)
     return result;
 }
 
-/* --- greedy selection: the candidate that holds most sites that none before it holds -------------
- */
-
+/* Greedy selection: the candidate that holds most sites that none before it holds. */
 struct heap_entry {
     uint32_t gain, patch; /* gain: an upper bound, exact when it was last looked at */
 };
@@ -229,9 +224,6 @@ static void drop_redundant(struct cover *c)
             c->chosen[at++] = c->chosen[i];
     c->chosen_count = kept;
 }
-
-/* --- global relaxation
- * ------------------------------------------------------------------------------ */
 
 /* The member nearest to the middle of those that no other chosen patch holds. */
 static uint32_t middle_of_own(const struct cover *c, const struct patch *p)

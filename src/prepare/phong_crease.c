@@ -98,9 +98,6 @@ static int look(const struct fit_cloud *cloud, uint32_t i, struct ball *b, struc
     return best;
 }
 
-/* --- one site ------------------------------------------------------------------------------------
- */
-
 /* Its own side: the nearest plane, and of planes as near (it is on the edge) that of the likest
  * normal. */
 static unsigned own_side(const struct fit_cloud *cloud, const struct ball *b, const struct sides *s)
@@ -169,9 +166,6 @@ static void study(const struct fit_cloud *cloud, struct finding *f)
         f->crease.side[f->crease.sides++] = plane;
     }
 }
-
-/* --- all
- * ------------------------------------------------------------------------------------------- */
 
 struct crease_job {
     struct fit_cloud *cloud;

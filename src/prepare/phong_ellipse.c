@@ -24,9 +24,6 @@ struct working_set {
     double floor[2]; /* least semi-axes, scaled */
 };
 
-/* --- the barrier ---------------------------------------------------------------------------------
- */
-
 /* theta = a, b, p, q. The slack of a point, and its two components. */
 static double slack_of(const double theta[4], const double point[2], double *e, double *h)
 {
@@ -158,9 +155,6 @@ static void solve_set(const struct working_set *w, double theta[4])
             return;
     }
 }
-
-/* --- the working set
- * ------------------------------------------------------------------------------- */
 
 struct box {
     double middle[2], half[2];

@@ -33,9 +33,6 @@ struct fitting {
     struct stp_fit fit;
 };
 
-/* --- a count instead of a tolerance
- * ---------------------------------------------------------------- */
-
 /* Tolerances and what they left: count falls about as a power of the tolerance. */
 struct bracket {
     double low, high;             /* tolerances: too many splats, few enough */
@@ -119,9 +116,6 @@ static enum stp_result search_count(struct fitting *f, double count)
                      count, b.low_count, b.low,
                      colored ? ", or let one splat hold more different colours (--fit-color)" : "");
 }
-
-/* --- the fit
- * ----------------------------------------------------------------------------------------- */
 
 static enum stp_result find_patches(struct fitting *f)
 {

@@ -11,7 +11,7 @@
 #include "base/vec.h"
 #include "scene/splats.h"
 
-/* --- sites: the samples, duplicates joined (phong_sites.c) ----------------------------------- */
+/* Sites: the samples, duplicates joined (phong_sites.c). */
 
 #define SITE_NEAR    8
 #define SPACING_RANK 6
@@ -41,8 +41,7 @@ enum stp_result fit_cloud_build(const struct stp_env *env, const struct splats *
                                 struct fit_cloud *cloud);
 void fit_cloud_release(struct fit_cloud *cloud);
 
-/* --- planes and patches (phong_plane.c, phong_grow.c) ------------------------------------------
- */
+/* Planes and patches (phong_plane.c, phong_grow.c). */
 
 /* A plane and the directions of least and most curvature in it. */
 struct patch_frame {

@@ -33,9 +33,6 @@ struct around {
     struct face face[AROUND];
 };
 
-/* --- corners -------------------------------------------------------------------------------------
- */
-
 /* The point in the plane of 0, a and b that is as far from each; false: they are on a line. */
 static bool circumcentre(struct vec3 a, struct vec3 b, struct vec3 *c)
 {
@@ -80,9 +77,6 @@ static void find_corners(const struct fit_cloud *cloud, uint32_t i, double reach
                 is_empty(near, count, c))
                 corners->at[corners->count++] = c;
 }
-
-/* --- gaps ----------------------------------------------------------------------------------------
- */
 
 /* The splats of a site's holders that are not there yet. */
 static void add_holders(const struct gaps *g, uint32_t site, struct around *all)

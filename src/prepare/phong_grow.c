@@ -119,9 +119,6 @@ static size_t admit_reached(struct grower *g, const struct ellipse *e, size_t co
     return kept;
 }
 
-/* --- how many of the nearest make a patch
- * ---------------------------------------------------------- */
-
 /* Within the tolerance of the frame's plane, and not too steep to it? The farthest come first: they
  * are the likeliest not to be. */
 static bool all_within(const struct grower *g, size_t count, const struct patch_frame *f)
@@ -161,9 +158,6 @@ static size_t longest_prefix(const struct grower *g, size_t count, struct vec3 h
     plane_of_sums(&g->admitted[good - 1].sums, g->admitted[0].p, hint, frame);
     return good;
 }
-
-/* --- one patch
- * --------------------------------------------------------------------------------------- */
 
 static double clamp(double x, double low, double high)
 {

@@ -68,9 +68,6 @@ static bool make_room(struct worker *w, size_t count)
     return made;
 }
 
-/* --- which sites a splat shows -------------------------------------------------------------------
- */
-
 static bool is_shown(const struct joint *j, const struct face *f, uint32_t i)
 {
     const struct site *site = &j->cloud->site[i];
@@ -130,9 +127,6 @@ static void show_range(void *context, size_t begin, size_t end, unsigned worker)
     for (size_t i = begin; i < end && !w->out_of_memory; i++)
         w->out_of_memory = !find_shown(j, w, i);
 }
-
-/* --- a round -------------------------------------------------------------------------------------
- */
 
 static struct seen see(const struct joint *j, const struct face *f, uint32_t site)
 {
@@ -224,9 +218,6 @@ static void refit_range(void *context, size_t begin, size_t end, unsigned worker
             refit(j, w, i);
     }
 }
-
-/* --- all -----------------------------------------------------------------------------------------
- */
 
 static bool any_failed(const struct joint *j, unsigned workers)
 {

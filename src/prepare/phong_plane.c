@@ -82,9 +82,6 @@ void patch_plane(const struct fit_cloud *cloud, const uint32_t *member, size_t c
     plane_of_sums(&sums, at, hint, frame);
 }
 
-/* --- axes --------------------------------------------------------------------------------------
- */
-
 /* Sums of the least-squares fit of x and y, each linear in s and t. */
 struct field_sums {
     double one, s, t, ss, st, tt, x, xs, xt, y, ys, yt;

@@ -46,9 +46,6 @@ static bool make_room(struct reach *r, size_t count)
     return true;
 }
 
-/* --- collecting ----------------------------------------------------------------------------------
- */
-
 static bool same_color(const struct reach *r, uint32_t a, uint32_t b)
 {
     const struct splats *s = r->cloud->samples;
@@ -112,9 +109,6 @@ size_t reach_collect(struct reach *r, const struct ellipse *e, uint32_t seed, si
     }
     return count;
 }
-
-/* --- nearest first -------------------------------------------------------------------------------
- */
 
 static bool is_after(struct reached a, struct reached b)
 {

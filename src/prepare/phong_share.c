@@ -23,9 +23,6 @@ struct sharing {
     _Atomic uint32_t *nearest; /* a site: the least distance of its holders, as bits */
 };
 
-/* --- the nearest holder --------------------------------------------------------------------------
- */
-
 /* Whether a patch keeps all it holds: at edges the lines were found with it, and splats beside them
  * do not grow into gaps. */
 static bool is_whole(const struct fit_cloud *cloud, const struct patch *p)
@@ -76,9 +73,6 @@ static void claim_range(void *context, size_t begin, size_t end, unsigned)
             claim(&s->nearest[p->member[k]], distance_to(s->cloud, p, ratio, p->member[k]));
     }
 }
-
-/* --- what is left of a patch ---------------------------------------------------------------------
- */
 
 static bool holds_all(const struct sharing *s, const struct patch *p,
                       const struct patch_frame *frame)

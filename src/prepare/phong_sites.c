@@ -27,9 +27,6 @@ struct sites_build {
     double (*signs)[4];             /* a block: pairs agreeing, their offsets, opposed, theirs */
 };
 
-/* --- the nearest places, and what they say of signs --------------------------------------------
- */
-
 static void compare_signs(const struct sites_build *b, size_t place, const struct neighbours *n,
                           double sum[4])
 {
@@ -79,9 +76,6 @@ static enum stp_result find_nearest(const struct stp_env *env, struct sites_buil
         sum[2] <= MOST_OPPOSED * (sum[0] + sum[2]) || opposed > OTHER_SHEET * agreeing;
     return STP_OK;
 }
-
-/* --- sites ---------------------------------------------------------------------------------------
- */
 
 static bool same_site(const struct sites_build *b, size_t a, size_t i)
 {

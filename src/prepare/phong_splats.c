@@ -15,18 +15,12 @@
  * the nearest, which may itself be one before the surface. */
 #define SHOWN 3.0
 
-/* --- what the stored splat covers ---------------------------------------------------------------
- */
-
 /* The distance of a sample from the splat's plane; INFINITY: the splat does not cover it. */
 static double distance_to(const struct face *f, const double position[3])
 {
     struct on_face at = face_place(f, v3_load(position));
     return at.s * at.s + at.t * at.t <= 1 && face_keeps(f, at) ? fabs(at.height) : INFINITY;
 }
-
-/* --- all
- * -------------------------------------------------------------------------------------------- */
 
 struct splat_job {
     struct splat_maker maker; /* without the worker's own room */

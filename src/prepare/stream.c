@@ -47,8 +47,7 @@ static enum stp_result collect_block(const struct stp_env *env, const struct sce
     return result;
 }
 
-/* --- first pass: bounds, counts, and whether all is there ------------------------------------- */
-
+/* First pass: bounds, counts, and whether all is there. */
 static void grow(struct bounds *all, const struct bounds *box)
 {
     for (int axis = 0; axis < 3; axis++) {
@@ -115,8 +114,7 @@ static void begin_measuring(struct measuring *m)
     }
 }
 
-/* --- second and third: the median radius, cells, and the rows' chunks ------------------------- */
-
+/* Second and third pass: the median radius, cells, and the rows' chunks. */
 static enum stp_result count_block(const struct stp_env *env, void *context, size_t,
                                    struct cloud *cloud)
 {
@@ -178,8 +176,7 @@ static enum stp_result cut(const struct stp_env *env, struct measuring *m)
     return stream_walk(env, m->stream, "prepare", 0.4, 0.6, assign_block, m);
 }
 
-/* --- fourth, chunk by chunk: what depends on the order ---------------------------------------- */
-
+/* Fourth pass, chunk by chunk: what depends on the order. */
 enum stp_result stream_splats(const struct stp_env *env, const struct stp_scene *scene,
                               uint32_t chunk, struct splats *splats, size_t *duplicates)
 {
@@ -249,8 +246,6 @@ static enum stp_result measure_chunks(const struct stp_env *env, const struct st
     mem_free(value);
     return result;
 }
-
-/* --- all of it -------------------------------------------------------------------------------- */
 
 static enum stp_result check_stream(const struct stp_scene *scene, struct measuring *m)
 {

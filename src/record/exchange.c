@@ -95,9 +95,7 @@ uint32_t record_ghost_input(const struct record_frame *frame, uint32_t id, uint3
     return frame->share->ghost_input[(size_t)plan_ghosts(frame->plan) * sample + ghost];
 }
 
-/* --- a chunk of the sums, as the host sees it --------------------------------------------------
- */
-
+/* A chunk of the sums, as the host sees it. */
 #define PIXEL_BYTES (x->stride * sizeof(uint64_t))
 
 static enum stp_result open_chunk(struct exchange *x)
@@ -117,8 +115,6 @@ static enum stp_result close_chunk(struct exchange *x)
                           : gpu_upload_at(x->env, x->frame->context, sums, x->first * PIXEL_BYTES,
                                           x->sums, x->count * PIXEL_BYTES);
 }
-
-/* --- the nearest ------------------------------------------------------------------------------ */
 
 /* Keys hold the depth above the id: their minimum is the nearest, the lower id among equals. Ids
  * are of the whole scene while they travel. */
@@ -244,8 +240,6 @@ static enum stp_result exchange_nearest(struct exchange *x)
     return place_winners(x);
 }
 
-/* --- the sums --------------------------------------------------------------------------------- */
-
 /* Resolving visits the blocks that are flagged: those that any process touched. */
 static enum stp_result flag_blocks(struct exchange *x)
 {
@@ -277,8 +271,6 @@ static enum stp_result exchange_sums(struct exchange *x)
             x->sums[x->share->hit[h] * x->stride + x->of[w]] = (uint64_t)values[h * x->words + w];
     return flag_blocks(x);
 }
-
-/* --- all of it -------------------------------------------------------------------------------- */
 
 /* glsl/lib/sums.glsl says which words there are; what the picture does not use is not sent. */
 static void choose_words(struct exchange *x, const struct plan_pass *pass)

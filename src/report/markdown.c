@@ -72,9 +72,6 @@ static void heading(FILE *out, const struct report *report)
     fputs("![milliseconds against error](report.svg)\n\n", out);
 }
 
-/* --- the front -----------------------------------------------------------------------------------
- */
-
 static void time_cell(FILE *out, const struct report_row *row)
 {
     char a[REPORT_NUMBER_SIZE], b[REPORT_NUMBER_SIZE], c[REPORT_NUMBER_SIZE];
@@ -115,9 +112,6 @@ static void front(FILE *out, const struct report *report)
         error_row(out, rows[i]);
     fputc('\n', out);
 }
-
-/* --- equal error, equal time
- * ----------------------------------------------------------------------- */
 
 static void kind_head(FILE *out, const struct report *report, const char *first)
 {
@@ -202,9 +196,6 @@ static void equal_time(FILE *out, const struct report *report)
     fputc('\n', out);
 }
 
-/* --- the baseline --------------------------------------------------------------------------------
- */
-
 static void against_baseline(FILE *out, const struct report *report)
 {
     char name[REPORT_NAME_SIZE], text[REPORT_NUMBER_SIZE], ratio[REPORT_NUMBER_SIZE];
@@ -241,9 +232,6 @@ static void against_baseline(FILE *out, const struct report *report)
     }
     fputc('\n', out);
 }
-
-/* --- everything
- * ----------------------------------------------------------------------------------- */
 
 static void all_rows(FILE *out, const struct report *report)
 {

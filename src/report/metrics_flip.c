@@ -40,8 +40,6 @@ struct flip {
     double *row; /* sums of rows */
 };
 
-/* ---- colours ---- */
-
 static void transform(const double m[3][3], const double in[3], double out[3])
 {
     for (int i = 0; i < 3; i++)
@@ -113,8 +111,6 @@ static double redistribute(double difference, double largest)
         return 0.95 / knee * e;
     return 0.95 + (e - knee) / (largest - knee) * 0.05;
 }
-
-/* ---- filters ---- */
 
 static struct kernel gaussian(double variance, int radius)
 {
@@ -231,8 +227,6 @@ static void detect_features(const struct flip *flip, struct seen *seen)
         magnitude(flip, feature, flip->temporary[1]);
     }
 }
-
-/* ---- the picture ---- */
 
 static void load(const struct flip *flip, const float *const rgb[3], struct seen *seen)
 {

@@ -81,7 +81,7 @@ struct report {
     uint32_t samples_width, samples_height;
 };
 
-/* --- front.c ------------------------------------------------------------------------------- */
+/* front.c */
 
 /* Mean absolute error over covered pixels, at least the floor: what configurations are ranked by.
  */
@@ -114,8 +114,6 @@ unsigned report_kinds(const struct report *report, const char *kinds[REPORT_MAX_
 /* Sorts and summarises; quartiles are interpolated. count > 0. */
 struct report_times report_times(double *ms, unsigned count);
 
-/* --- writers -------------------------------------------------------------------------------- */
-
 /* "deferred compute, c 0.4, Voronoi slab, packed", "peel raster, 8 layers", "blend compute, h 0.85"
  */
 #define REPORT_NAME_SIZE 96
@@ -138,7 +136,7 @@ void report_picks_markdown(FILE *out, const struct report *report);
 void report_samples_csv(FILE *out, const struct report *report);
 void report_samples_markdown(FILE *out, const struct report *report);
 
-/* --- heat.c: pictures of the error ------------------------------------------------------------ */
+/* heat.c: pictures of the error. */
 
 /* Errors at or below the low end are drawn in its colour, likewise at the high end. */
 #define HEAT_LOW   1e-4

@@ -38,8 +38,6 @@ static const char *kind_color(const struct plot *plot, const char *kind)
     return colors[i];
 }
 
-/* --- axes ------------------------------------------------------------------------------------- */
-
 static void find_range(struct plot *plot)
 {
     double fast = INFINITY, slow = 0, least = INFINITY, most = 0;
@@ -111,9 +109,6 @@ static void draw_eighth(const struct plot *plot)
             LEFT, y, RIGHT, RIGHT - 4, y - 4);
 }
 
-/* --- heading and legend ------------------------------------------------------------------------
- */
-
 static void marker(FILE *out, const char *path, double x, double y, double r,
                    const char *attributes)
 {
@@ -161,8 +156,6 @@ static void draw_heading(const struct plot *plot)
             fprintf(plot->out, " The reference takes %.0f ms on the CPU.", r->row[i].ms.median);
     fputs("</text>\n", plot->out);
 }
-
-/* --- points ----------------------------------------------------------------------------------- */
 
 static double px(const struct plot *plot, const struct report_row *row)
 {
@@ -220,9 +213,6 @@ static void draw_line(const struct plot *plot, double line[][2], unsigned count)
         fprintf(plot->out, "%c%.1f %.1f", i ? 'L' : 'M', line[i][0], line[i][1]);
     fputs("\"/>\n", plot->out);
 }
-
-/* --- labels ------------------------------------------------------------------------------------
- */
 
 /* The front, and the fastest of every other method and path. */
 static bool is_named(const struct report *report, const struct report_row *row)
@@ -312,8 +302,6 @@ static void draw_labels(const struct plot *plot, const double (*line)[2], unsign
     for (unsigned i = 0; i < count; i++)
         draw_label(plot, named[i], &labels[i]);
 }
-
-/* --- the page --------------------------------------------------------------------------------- */
 
 static void begin(FILE *out)
 {

@@ -10,7 +10,7 @@
 #include "record/record.h"
 #include "report/report.h"
 
-/* --- configs.c: the parameters that are swept ------------------------------------------------ */
+/* configs.c: the parameters that are swept. */
 
 struct study_config {
     enum stp_method method;
@@ -35,7 +35,7 @@ void study_describe(const struct study_config *config, struct report_row *row);
 /* NULL when the plan does what the configuration says, else why it does not. */
 const char *study_mismatch(const struct study_config *config, const struct stp_plan *plan);
 
-/* --- frames.c: frames that live beside each other --------------------------------------------- */
+/* frames.c: frames that live beside each other. */
 
 struct study_frame {
     struct study_config config;
@@ -78,30 +78,24 @@ enum stp_result study_time(struct study *study);
 enum stp_result study_profile(struct study *study);
 uint64_t study_budget(const struct stp_context *context);
 
-/* --- study.c ---------------------------------------------------------------------------------- */
+/* study.c */
 
 /* A frame for this configuration, or a line in the report that says why there is none. */
 enum stp_result study_try(struct study *study, const struct study_config *config);
 
-/* --- picks.c: what auto would take for a few bounds; joins the frames that are timed -------------
- */
-
+/* picks.c: what auto would take for a few bounds; joins the frames that are timed. */
 enum stp_result study_pick(struct study *study);
 
-/* --- samples.c: error against the number of samples a pixel, where method exact applies ----------
- */
-
+/* samples.c: error against the number of samples a pixel, where method exact applies. */
 enum stp_result study_samples(struct study *study);
 
-/* --- amounts.c: what a frame's time is predicted from, and the time that was measured -----------
- */
-
+/* amounts.c: what a frame's time is predicted from, and the time that was measured. */
 void study_log_amounts(const struct stp_env *env, enum plan_cost kind,
                        const double amount[PLAN_TERMS], double ms);
 /* A line for every frame of an opaque sweep that has a price; after study_time. */
 enum stp_result study_log_costs(struct study *study);
 
-/* --- files.c ---------------------------------------------------------------------------------- */
+/* files.c */
 
 enum stp_result study_write(struct study *study, const char *folder);
 

@@ -33,8 +33,6 @@ static void misuse(const char *what, const char *name)
         snprintf(fault.seen.misuse, sizeof fault.seen.misuse, "%s %s", what, name);
 }
 
-/* --- control ---------------------------------------------------------------------------------- */
-
 EXPORT fault_arm_fn fault_arm;
 EXPORT fault_discrete_fn fault_discrete;
 EXPORT fault_crowd_fn fault_crowd;
@@ -95,7 +93,7 @@ __attribute__((destructor)) static void report(void)
     fclose(file);
 }
 
-/* --- what every call goes through ------------------------------------------------------------- */
+/* What every call goes through. */
 
 /* VK_SUCCESS: let it through. */
 static VkResult inject(const char *name, const VkResult *results, unsigned count)
@@ -152,8 +150,7 @@ static PFN_vkVoidFunction real(const char *name)
 }
 #define REAL(name) ((PFN_##name)real(#name))
 
-/* --- calls that only may fail ----------------------------------------------------------------- */
-
+/* Calls that only may fail. */
 #define WRAP(name, parameters, arguments, ...)                                                     \
     static VKAPI_ATTR VkResult VKAPI_CALL fault_##name parameters                                  \
     {                                                                                              \
@@ -161,8 +158,6 @@ static PFN_vkVoidFunction real(const char *name)
         return result == VK_SUCCESS ? REAL(name) arguments : result;                               \
     }
 FAULT_PLAIN(WRAP)
-
-/* --- objects ---------------------------------------------------------------------------------- */
 
 #define WRAP_OBJECT(type, ...)                                                                     \
     static VKAPI_ATTR VkResult VKAPI_CALL fault_vkCreate##type(                                    \
@@ -234,8 +229,6 @@ static VKAPI_ATTR void VKAPI_CALL fault_vkFreeMemory(VkDevice device, VkDeviceMe
     REAL(vkFreeMemory)(device, memory, allocator);
 }
 
-/* --- the queue -------------------------------------------------------------------------------- */
-
 static VKAPI_ATTR VkResult VKAPI_CALL fault_vkQueueSubmit2(VkQueue queue, uint32_t count,
                                                            const VkSubmitInfo2 *infos,
                                                            VkFence fence)
@@ -269,8 +262,7 @@ static VKAPI_ATTR VkResult VKAPI_CALL fault_vkDeviceWaitIdle(VkDevice device)
     return result;
 }
 
-/* --- a device whose memory the host does not see ---------------------------------------------- */
-
+/* A device whose memory the host does not see. */
 static VKAPI_ATTR void VKAPI_CALL fault_vkGetPhysicalDeviceMemoryProperties(
     VkPhysicalDevice device, VkPhysicalDeviceMemoryProperties *properties)
 {
@@ -309,8 +301,6 @@ WRAP_REQUIREMENTS(Image)
     }
 WRAP_FORESEEN(Buffer)
 WRAP_FORESEEN(Image)
-
-/* --- instance and device ---------------------------------------------------------------------- */
 
 static VKAPI_ATTR VkResult VKAPI_CALL fault_vkCreateInstance(const VkInstanceCreateInfo *info,
                                                              const VkAllocationCallbacks *allocator,
@@ -377,8 +367,6 @@ static VKAPI_ATTR void VKAPI_CALL fault_vkDestroyDevice(VkDevice device,
     fault.device = NULL;
     destroy(device, allocator);
 }
-
-/* --- addresses -------------------------------------------------------------------------------- */
 
 static VKAPI_ATTR PFN_vkVoidFunction VKAPI_CALL fault_vkGetDeviceProcAddr(VkDevice device,
                                                                           const char *name);

@@ -18,8 +18,8 @@ def seed(target, name, content):
         file.write(content if isinstance(content, bytes) else content.encode())
 
 
-# LAS ---------------------------------------------------------------------------------------------
-SIZES = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67]
+# Bytes of a record of each point format.
+LAS_SIZES = [20, 28, 26, 34, 57, 63, 30, 36, 38, 59, 67]
 
 
 def record(data, kind=4, wide=False, user=b"LASF_Spec"):
@@ -35,7 +35,7 @@ def extra(kind, name, options=0, missing=0, scale=1.0, offset=0.0):
 def las(form, minor, count=3, extras=b"", extra_bytes=0, evlr=False):
     size = {2: 227, 3: 235, 4: 375}[minor]
     vlrs = b"" if evlr or not extras else record(extras)
-    length = SIZES[form] + extra_bytes
+    length = LAS_SIZES[form] + extra_bytes
     head = bytearray(size)
     struct.pack_into("<4sHH16x BB", head, 0, b"LASF", 0, 0, 1, minor)
     struct.pack_into("<HIIBHI", head, 94, size, size + len(vlrs), 0 if evlr else bool(vlrs), form,
@@ -63,7 +63,6 @@ def make_las():
     seed("las", "none.las", las(3, 2, 0))
 
 
-# PCD ---------------------------------------------------------------------------------------------
 def lzf(data):
     """Literals, and one run where three bytes come again: every kind of part."""
     out, at = b"", 0
@@ -119,7 +118,6 @@ def make_pcd():
          + struct.pack("<II", 13, 12) + b"\x0b" + dense)
 
 
-# Text formats ------------------------------------------------------------------------------------
 def make_ply():
     head = ("ply\nformat {} 1.0\ncomment c\nelement pre 1\nproperty list uchar short l\n"
             "element vertex 2\nproperty float x\nproperty double y\nproperty short z\n"
@@ -188,7 +186,6 @@ def make_text():
         seed("obj", name + ".obj", text)
 
 
-# JSON --------------------------------------------------------------------------------------------
 MATRIX = "[[1,0,0,0],[0,1,0,0],[0,0,1,-5],[0,0,0,1]]"
 
 
@@ -218,7 +215,7 @@ def make_json():
     seed("scene_json", "camera_file.json", '{"points":["a.ply"],"camera_file":"c.json"}')
 
 
-# EXR: scan lines, and tiles, of float, half and uint ---------------------------------------------
+# EXR: scan lines, and tiles, of float, half and uint.
 def attribute(name, kind, value):
     return name + b"\0" + kind + b"\0" + struct.pack("<I", len(value)) + value
 
@@ -297,7 +294,6 @@ def make_gzip():
     seed("gzip", "plain", b"no gzip at all, and long enough")
 
 
-# Volumes -----------------------------------------------------------------------------------------
 def nifti(order, code, voxels, dims, srow=None, quaternion=None):
     head = bytearray(352)
     struct.pack_into(order + "i", head, 0, 348)

@@ -70,8 +70,6 @@ static void three_axes_everywhere(const struct hard_options *o, struct hard_scen
     hard_axis_from(o, s, v3(3, 3, 3), true);
 }
 
-/* ---- lists */
-
 void hard_axis_look(const struct hard_options *o, struct hard_scene *s, double h)
 {
     s->camera = odd_camera(o, false);
@@ -130,8 +128,6 @@ static void orthographic(const struct hard_options *o, struct hard_scene *s)
     block(o, s);
     hard_axis_flat(o, s);
 }
-
-/* ---- kernels */
 
 static void tall(const struct hard_options *o, struct hard_scene *s)
 {

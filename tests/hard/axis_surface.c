@@ -28,8 +28,6 @@ static void show(const struct hard_options *o, struct hard_scene *s, struct hard
     hard_show(s, &cloud, plain_camera(o->width, o->height, o->height), min_splat);
 }
 
-/* ---- views */
-
 static void two_axes(const struct hard_options *o, struct hard_scene *s)
 {
     show(o, s, discs(o, 1), -1);
@@ -84,8 +82,6 @@ static void orthographic(const struct hard_options *o, struct hard_scene *s)
     show(o, s, discs(o, 1), -1);
     hard_axis_flat(o, s);
 }
-
-/* ---- splats */
 
 static void half_see_through(const struct hard_options *o, struct hard_scene *s)
 {

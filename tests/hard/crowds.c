@@ -43,8 +43,7 @@ static void no_points(const struct hard_options *o, struct device *device)
     points_release(&cloud);
 }
 
-/* ---- a million in one place */
-
+/* A million in one place. */
 static struct stp_scene *copies(size_t count)
 {
     struct hard_points cloud = points_make(count);
@@ -109,8 +108,6 @@ static void million(const struct hard_options *o, struct device *device)
     stp_scene_destroy(&one);
     stp_scene_destroy(&many);
 }
-
-/* ---- many in one pixel, and over each other */
 
 /* A ball seen from so far away that it is a third of a pixel. */
 static void one_pixel(const struct hard_options *o, struct hard_scene *s)

@@ -4,8 +4,6 @@
 
 #define SPLATS 14 /* each a group of its own: a layer of `deferred` */
 
-/* ---- outlines */
-
 /* Aspects of 1 to 10^6; `thin` is the lesser semi-axis, or, negative, the larger one negated. */
 static void needles(const struct hard_options *o, struct hard_scene *s, double thin, double floor)
 {
@@ -103,8 +101,7 @@ static void dots(const struct hard_options *o, struct hard_scene *s)
     hard_show(s, &cloud, plain_camera(o->width, o->height, 1.3 * o->height), 4);
 }
 
-/* ---- clip lines: which pixels are there */
-
+/* Clip lines: which pixels are there. */
 #define WEDGES 12 /* 4 x 3, face on, two units from one another */
 
 static struct stp_phong_splat wedge(uint32_t seed, int i)

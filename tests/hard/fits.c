@@ -2,8 +2,6 @@
  * the fitted splats; the truth is what was sampled. Flat things: fits_flat.c. */
 #include "hard.h"
 
-/* ---- few samples */
-
 #define LINES 12
 
 /* Lines of one, two and three samples, 0.1 apart, each in a place and a plane of its own. */
@@ -53,8 +51,6 @@ static double check_few(const struct hard_scene *s, const struct stp_image *imag
     points_release(&cloud);
     return worst;
 }
-
-/* ---- a sphere whose samples are in disorder */
 
 /* Of a patch of a sphere, semi-axis a, a linear field misses at most a^3 / 2 of a slope. Its plane
  * lies within the tolerance, all that is averaged within four of them along the ray, and within
@@ -120,8 +116,6 @@ static void duplicates(const struct hard_options *o, struct hard_scene *s)
     points_release(&once);
     points_release(&thrice);
 }
-
-/* ---- tolerances */
 
 static void of_zero(const struct hard_options *o, struct hard_scene *s)
 {

@@ -19,8 +19,6 @@ static struct vec3 place(const struct tilted_frame *f, double x, double y, doubl
     return v3_add(v3_scale(f->u, x), v3_add(v3_scale(f->v, y), v3_scale(f->w, z)));
 }
 
-/* ---- sheets */
-
 /* Samples of a unit square about 0, at a height. */
 static void add_square(struct hard_points *cloud, const struct tilted_frame *f, size_t count,
                        double z, double side, uint32_t *seed)
@@ -137,8 +135,6 @@ static double check_border(const struct hard_scene *s, const struct stp_image *i
     }
     return worst;
 }
-
-/* ---- steep normals, sharp corners */
 
 #define STEEP_RADIUS    0.03
 #define STEEP_TOLERANCE 0.01

@@ -5,8 +5,6 @@
 
 #define SPLATS 14 /* each a group of its own: a layer of `deferred` */
 
-/* ---- normal fields */
-
 /* Slopes of tan(80 degrees) to tan(89.9), which turn the normal over within the splat. */
 static void tilted(const struct hard_options *o, struct hard_scene *s, enum stp_cull cull)
 {
@@ -96,8 +94,6 @@ static double check_sphere(const struct hard_scene *s, const struct stp_image *i
     }
     return worst;
 }
-
-/* ---- what is the same as something else */
 
 static struct hard_points mixture(uint32_t seed)
 {

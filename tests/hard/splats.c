@@ -50,8 +50,7 @@ static void long_lines(const struct hard_options *o, struct hard_scene *s)
     points_release(&cloud);
 }
 
-/* ---- a sphere with damage: what is seen is the sphere */
-
+/* A sphere with damage: what is seen is the sphere. */
 static void look_at_sphere(const struct hard_options *o, struct hard_scene *s,
                            const struct hard_points *cloud)
 {

@@ -73,8 +73,6 @@ static void test_layers(void **state)
     waits_for(&hazards, draw_layer(7), ATTACHED | COMPUTE);
 }
 
-/* --- the model ------------------------------------------------------------------------------- */
-
 #define STEPS 24
 
 struct step {

@@ -14,9 +14,7 @@
 #define HEIGHT    61
 #define POINTS    700
 
-/* --- machines that share memory ----------------------------------------------------------------
- */
-
+/* Machines that share memory. */
 struct room {
     pthread_barrier_t barrier;
     unsigned count;
@@ -66,9 +64,6 @@ static void reduce(void *user, enum stp_reduction reduction, int64_t *values, si
         room->reductions++;
     pthread_barrier_wait(&room->barrier);
 }
-
-/* --- a scene -----------------------------------------------------------------------------------
- */
 
 struct wish {
     const char *what;
@@ -137,9 +132,6 @@ static struct stp_render_params params_of(const struct wish *wish)
                                        .memory_limit = wish->memory_limit,
                                        .background = wish->background ? background : NULL };
 }
-
-/* --- one of the processes ----------------------------------------------------------------------
- */
 
 struct job {
     const struct wish *wish;

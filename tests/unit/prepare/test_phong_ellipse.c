@@ -106,9 +106,7 @@ static void flat_sets(void **state)
     assert_true(r[0] < 2e-3 && r[1] < 2e-3);
 }
 
-/* --- Eq. 3 and 4 -------------------------------------------------------------------------------
- */
-
+/* Eq. 3 and 4. */
 static void recovers_a_linear_field(void **state)
 {
     uint64_t seed = 3;

@@ -16,9 +16,6 @@ static void on_cone(double u, double v, double p[3], double n[3])
     n[2] = side;
 }
 
-/* --- covering ------------------------------------------------------------------------------------
- */
-
 static void covers_every_sample(void **state)
 {
     const surface_fn surface[] = { on_sphere, on_torus, on_plane, on_sheets, on_cone };
@@ -99,9 +96,6 @@ static void leaves_no_gaps(void **state)
     samples_release(&probes);
 }
 
-/* --- normals
- * -------------------------------------------------------------------------------------- */
-
 /* Mean angle, in degrees, between the samples' normals and the mean of the fields of the splats
  * that cover them. */
 static double normal_error(const struct splats *splats, const struct samples *s)
@@ -176,9 +170,6 @@ static void signs_do_not_matter(void **state)
     samples_release(&s);
 }
 
-/* --- repeatable
- * -------------------------------------------------------------------------------------- */
-
 static void same_splats(const struct splats *a, const struct splats *b)
 {
     assert_int_equal(a->count, b->count);
@@ -223,9 +214,6 @@ static void order_and_threads_do_not_show(void **state)
     samples_release(&s);
     samples_release(&mixed);
 }
-
-/* --- a count
- * ----------------------------------------------------------------------------------------- */
 
 static void count_is_not_exceeded(void **state)
 {
@@ -282,9 +270,6 @@ static void progress_only_grows(void **state)
     }
     samples_release(&s);
 }
-
-/* --- failures
- * ------------------------------------------------------------------------------------------ */
 
 static void refuses(void **state)
 {

@@ -162,9 +162,6 @@ static void steep_normals(void **state)
     samples_release(&s);
 }
 
-/* --- sharp features
- * ------------------------------------------------------------------------------- */
-
 /* A unit cube, each face a grid of so many samples a side, which start half a step from the edges.
  */
 static struct samples cube(size_t side)
@@ -288,9 +285,6 @@ static void torus_is_not_sharp(void **state)
     samples_release(&s);
 }
 
-/* --- colours
- * --------------------------------------------------------------------------------------- */
-
 /* Two halves of two colours: each splat has one of them, whatever the tolerance of distance. */
 static void colors_do_not_mix(void **state)
 {
@@ -318,9 +312,6 @@ static void colors_do_not_mix(void **state)
     free(color);
     samples_release(&s);
 }
-
-/* --- memory
- * --------------------------------------------------------------------------------------- */
 
 /* Every allocation of a fit at edges and corners fails in turn, and some of a search for a count:
  * the scene stays as it was, and one line says so. */

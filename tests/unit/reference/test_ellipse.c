@@ -53,8 +53,7 @@ static void fill(struct ellipses *e, uint32_t seed)
     }
 }
 
-/* --- an evaluation in the world ------------------------------------------------------------- */
-
+/* An evaluation in the world. */
 struct place {
     double depth, s, t;
 };
@@ -214,8 +213,6 @@ static void test_culling(void **state)
     }
     assert_true(kept_back > 5 && dropped > 5);
 }
-
-/* --- analytic surfaces ----------------------------------------------------------------------- */
 
 /* Mean angle between the picture's normals and `truth` at their points. */
 static double mean_angle(struct ellipses *e, struct vec3 (*truth)(struct vec3 p))

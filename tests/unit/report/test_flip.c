@@ -67,8 +67,7 @@ static void threads_do_not_matter(void **state)
     stp_image_destroy(&b);
 }
 
-/* ---- the direct evaluation: whole kernels, one pixel at a time ---- */
-
+/* The direct evaluation: whole kernels, one pixel at a time. */
 #define W 22
 #define H 17
 
