@@ -1,19 +1,5 @@
 /* Extra channels against the reference's, and what their definitions promise. */
-#include "device.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 static float at(const struct stp_image *image, const char *name, size_t i)
 {

@@ -1,24 +1,11 @@
 /* What auto reckons with, against the device: the probe's errors against those of whole pictures,
  * and prices from frames that were timed. */
-#include "device.h"
+#include "group_device.h"
 
 #include "plan/offer.h"
 #include "study/calibrate.h"
 
-static struct device device;
 static const struct probe_sample every = { .cells = 100000, .alone = true }; /* pixel */
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 /* 900 discs on a sphere, grouped where it is opaque; some colours where asked. */
 static struct stp_scene *sphere(struct stp_camera *camera, double overlap, bool color,

@@ -1,20 +1,7 @@
 /* Large splats, drawn block by block, have the bits that they have when a workgroup each draws
  * them: as it does on a device that fetches no texels. */
 #include "ellipses.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 /* bins: whether it takes them; else one workgroup a large splat. */
 static struct stp_image *draw(const struct stp_scene *scene, const struct stp_camera *camera,

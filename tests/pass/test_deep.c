@@ -1,21 +1,7 @@
 /* Deep pictures: flattened they are the flat picture, and their layers are the reference's. */
 #include "base/memory.h"
-#include "device.h"
+#include "group_device.h"
 #include "surroundings.h"
-
-static int open_device(void **state)
-{
-    static struct device device;
-    device_open(&device, 0);
-    *state = &device;
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(*state);
-    return 0;
-}
 
 static float hard(size_t i)
 {
@@ -144,7 +130,7 @@ static void test_windows(void **state)
         struct stp_render_params p = deep;
         p.min_splat = 12;
         p.payload = view == 0 ? STP_PAYLOAD_AUTO : STP_PAYLOAD_ID;
-        struct stp_image *image = device_render(*state, scene, &camera, &p);
+        struct stp_image *image = device_render(&device, scene, &camera, &p);
         struct stp_image *truth = render_reference(scene, &camera, p);
         size_t most = expect_deep(image, "device"), reference = expect_deep(truth, "reference");
         assert_true(view > 0 || (most > STP_DEEP_WINDOW && reference > STP_DEEP_WINDOW));
@@ -167,7 +153,7 @@ static void test_many_layers(void **state)
             scene_fade(scene, at, i == wall ? 1 : 0.02f);
         }
         scene_finish(scene);
-        struct stp_image *image = device_render(*state, scene, &camera, &deep);
+        struct stp_image *image = device_render(&device, scene, &camera, &deep);
         struct stp_image *truth = render_reference(scene, &camera, deep);
         assert_int_equal(expect_deep(image, "mended"), wall < 0 ? 100 : wall + 1);
         expect_deep(truth, "reference");
@@ -201,7 +187,7 @@ static void test_glass(void **state)
         set_optics(scene, 0, &o);
         set_optics(scene, 1, &o);
         surround(scene, 64, 32, smooth_sky, NULL);
-        struct stp_image *image = device_render(*state, scene, &camera, &p);
+        struct stp_image *image = device_render(&device, scene, &camera, &p);
         struct stp_image *truth = render_reference(scene, &camera, p);
         expect_deep(image, "glass");
         expect_deep(truth, "glass, reference");
@@ -227,10 +213,10 @@ static void test_same_bits(void **state)
     struct stp_camera camera = hard_view(0, 50, 40);
     struct stp_render_params p = deep;
     p.min_splat = 24; /* some pixels overflow their slots */
-    struct stp_image *first = device_render(*state, scene, &camera, &p), *again;
+    struct stp_image *first = device_render(&device, scene, &camera, &p), *again;
     p.background = background;
     p.memory_limit = 1 << 19;
-    again = device_render(*state, scene, &camera, &p);
+    again = device_render(&device, scene, &camera, &p);
     expect_same_deep(first, again);
     stp_image_destroy(&again);
     device_open(&other, STP_FEATURE_SHARED_MEMORY);
@@ -245,7 +231,6 @@ static void test_same_bits(void **state)
 /* Each allocation of a rendering fails in turn, by the reference and on the device. */
 static void test_memory(void **state)
 {
-    struct device *device = *state;
     struct stp_scene *scene = cloud(200, faint);
     struct stp_camera camera = hard_view(0, 17, 9);
     for (int k = 0; k < 2; k++) {
@@ -253,18 +238,17 @@ static void test_memory(void **state)
         struct stp_plan *plan = NULL;
         bool done = false;
         p.transparency = k ? STP_TRANSPARENCY_EXACT : STP_TRANSPARENCY_REFERENCE;
-        assert_int_equal(device_plan(device, scene, &camera, &p, &plan), STP_OK);
+        assert_int_equal(device_plan(&device, scene, &camera, &p, &plan), STP_OK);
         for (unsigned long n = 1; !done; n++) {
-            struct stp_env env = { .threads = 1, .log = device->env.log, .user = device };
+            struct stp_env env = { .threads = 1, .log = device.env.log, .user = &device };
             struct stp_image *image = NULL;
-            unsigned lines = device->lines;
+            unsigned lines = device.lines;
             mem_fail_at(n);
-            enum stp_result result =
-                stp_render(&env, device->context, scene, plan, 0, &image, NULL);
+            enum stp_result result = stp_render(&env, device.context, scene, plan, 0, &image, NULL);
             done = mem_count() < n;
             mem_fail_at(0);
             assert_int_equal(result, done ? STP_OK : STP_ERROR_MEMORY);
-            assert_int_equal(device->lines, lines + !done);
+            assert_int_equal(device.lines, lines + !done);
             assert_true((image != NULL) == done);
             stp_image_destroy(&image);
         }
@@ -278,7 +262,7 @@ static void test_opaque(void **state)
 {
     struct stp_scene *scene = scene_random(5, 300, 0.07);
     struct stp_camera camera = hard_view(0, 45, 33);
-    struct stp_image *image = device_render(*state, scene, &camera, &deep);
+    struct stp_image *image = device_render(&device, scene, &camera, &deep);
     assert_null(image->deep);
     stp_image_destroy(&image);
     stp_scene_destroy(&scene);

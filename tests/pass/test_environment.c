@@ -1,20 +1,6 @@
 /* Surfaces that mirror an environment, and the environment behind them, against the reference. */
-#include "device.h"
+#include "group_device.h"
 #include "surroundings.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 static struct stp_scene *sheet(unsigned objects)
 {

@@ -1,20 +1,6 @@
 /* Glass on a device: what transparent layers mirror, bend and absorb, against the reference. */
-#include "device.h"
+#include "group_device.h"
 #include "surroundings.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 /* The sky is smooth: what a normal is off, colours are off by as much. */
 static const struct tolerance tolerance = { 2e-2, 2e-2, 8e-3, 60, 0.08 };

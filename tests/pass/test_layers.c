@@ -1,19 +1,5 @@
 /* Transparency exact on a device, against the reference and against formulas. */
-#include "device.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 static void expect_exact(const struct stp_scene *scene, const struct stp_camera *camera,
                          struct stp_render_params p, const char *what)

@@ -1,25 +1,11 @@
 /* Every method and path against the reference: random discs in views that are hard, with every
  * option in turn. */
-#include "device.h"
+#include "group_device.h"
 
 #include "base/memory.h"
 
 #define WIDTH  61
 #define HEIGHT 45
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 /* The options of case `i`: every one comes up for every method, in one view or another. */
 static struct stp_render_params options(int i)

@@ -1,19 +1,5 @@
 /* More fragments a pixel than `exact` has slots for: the repair passes, against the reference. */
-#include "device.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 static void expect_exact(const struct stp_scene *scene, const struct stp_camera *camera,
                          const char *what)

@@ -1,19 +1,6 @@
 /* Ellipses, normal fields and clip lines by every method and path against the reference. */
 #include "ellipses.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 static const struct stp_render_params floor_off = { .min_splat = -1 };
 

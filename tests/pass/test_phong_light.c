@@ -1,19 +1,6 @@
 /* Ellipses in layers, shuffled, and lit per splat, flat and from a light cube. */
 #include "ellipses.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 /* A dozen transparent sheets of ellipses, by their layers; 70 of one pixel overflow its slots. */
 static void test_layers(void **state)

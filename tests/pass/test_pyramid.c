@@ -1,20 +1,6 @@
 /* MKC's pyramid: no holes, nothing hidden shows through, normals near those of the true surface,
  * any size of picture, the same bits in tiles, runs and orders and without 64-bit atomics. */
-#include "device.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 static struct stp_render_params pyramid_params(void)
 {

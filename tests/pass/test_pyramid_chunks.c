@@ -1,6 +1,6 @@
 /* Points that the device cannot hold at once, and devices without 64-bit atomics: the same bits as
  * all at once, with them. */
-#include "device.h"
+#include "group_device.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -9,20 +9,6 @@
 #include "scene/scene.h"
 
 #define POINTS 60007
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 /* Two objects in front of each other, colours, and heaps of points that tie in every depth bit: on
  * the planes of constant depth only the id decides. */

@@ -1,22 +1,8 @@
 /* Points that are culled by clusters before they are projected: the same bits as without, since
  * only clusters go of which every point would. */
-#include "device.h"
+#include "group_device.h"
 
 #define CLUSTERS 60
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 static struct vec3 random_direction(uint32_t *seed)
 {

@@ -1,20 +1,6 @@
 /* MKC's pyramid where it is hard: near sheets, odd sizes, one point and many in one pixel, the eye
  * in the cloud, an outlier. */
-#include "device.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 static struct stp_render_params pyramid_params(void)
 {

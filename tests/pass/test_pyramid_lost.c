@@ -1,20 +1,7 @@
 /* Discs of points that lost their pixels: they cover what no other disc covers, with their own
  * attributes, wherever they reach; the same bits in tiles, chunks and without 64-bit atomics. */
 #include "winners.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 static struct vec3 random_vector(uint32_t *seed)
 {

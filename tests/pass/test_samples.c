@@ -1,5 +1,5 @@
 /* Several samples a pixel: device pictures against the reference's at the same positions. */
-#include "device.h"
+#include "group_device.h"
 
 #include "record/record.h"
 
@@ -7,20 +7,6 @@
 #define HEIGHT  37
 #define LEAST   60 /* dB, over covered pixels */
 #define EPSILON 0.05
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 static struct stp_image *reference(const struct stp_scene *scene, const struct stp_camera *camera,
                                    const struct stp_render_params *params)

@@ -1,21 +1,7 @@
 /* Colours, materials, lights, unknown normals, eye dome and backgrounds against the reference. */
-#include "device.h"
+#include "group_device.h"
 
 #include "base/memory.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 static struct stp_scene *sheet(unsigned objects)
 {

@@ -1,19 +1,5 @@
 /* Transparencies fast, nearest and peel on a device, against the reference and against formulas. */
-#include "device.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 /* A group may lack 2 % of the surface by default: of a few sheets that is one. */
 static const struct stp_cover_params whole = { .coverage = 1 };

@@ -1,22 +1,8 @@
 /* Glass by Algorithms 2 and 3: the layers that a ray crosses are told by its opacity alone. Where
  * all layers are alike that is what exact counts; where they are not, what is let through still is.
  */
-#include "device.h"
+#include "group_device.h"
 #include "surroundings.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 static const struct stp_optics bent = { .ior = { 1.05f, 1.1f, 1.2f } };
 static const struct stp_optics tinted = { .ior = { 1.05f, 1.1f, 1.2f },

@@ -1,7 +1,7 @@
 /* The seam of ZP Eq. 6. Where a surface crosses from one slab to the next, two fragments of one
  * layer may both pass. Shifting the slabs of the groups against each other does not make those
  * fewer: it parts the images' seams, so that each shows with a K-th of the weight. */
-#include "device.h"
+#include "group_device.h"
 
 #define SIZE    192
 #define FOCAL   96.0
@@ -10,20 +10,6 @@
 #define SPREAD  (0.2 * EPSILON) /* of the discs' depths: below EPSILON / K, so that seams part */
 #define ALPHA   0.5
 #define BINS    20
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
 
 static double dice(uint32_t *seed)
 {

@@ -1,21 +1,7 @@
 /* What `fast` keeps of each image's nearest fragment: normal and rho^2 in a word, or its splat's
  * id. Both give the same picture: the same bits of colour and opacity, and depth and normal within
  * what the word rounds. With a floor on the screen, with enlarged discs, with either kernel. */
-#include "device.h"
-
-static struct device device;
-
-static int open_device(void **state)
-{
-    device_open(&device, 0);
-    return 0;
-}
-
-static int close_device(void **state)
-{
-    device_close(&device);
-    return 0;
-}
+#include "group_device.h"
 
 /* A wavy ball, four discs at a place; radii differ by up to two, for floors to catch some of them.
  */
