@@ -7,7 +7,6 @@
 
 #define LEAST_DEPTH_BITS 8           /* packed keys: epsilon is at least 2^8 quantised steps */
 #define MOST_SHARED      0x7f000000u /* keys hold 31 bits of id */
-#define MOST_SLABS       262142      /* keys with ids hold 18 bits of slab */
 
 bool plan_of_medium(const struct stp_facts *facts)
 {
@@ -152,7 +151,7 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
     packable = packable || (!wants_ids && plan_packs_winners(plan));
     bool packed = packable && plan->params.payload != STP_PAYLOAD_ID;
     plan->payload = packed ? STP_PAYLOAD_PACKED : STP_PAYLOAD_ID;
-    if (!packed && plan->voronoi == STP_VORONOI_SLAB && range_over_epsilon > MOST_SLABS)
+    if (!packed && plan->voronoi == STP_VORONOI_SLAB && range_over_epsilon > STP_SLAB_MOST)
         plan->voronoi = STP_VORONOI_OFF;
     plan->constant[PLAN_PACKED] = packed;
     plan->constant[PLAN_KEY_IDS] = packed && plan->method == STP_METHOD_EXACT && wants_ids;
@@ -322,7 +321,7 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         result = choose_voronoi(env, plan);
     if (result != STP_OK)
         return result;
-    choose_payload(plan, (double)16777216.0 * ldexp(1, -(int)plan->frame.depth_bits));
+    choose_payload(plan, ldexp(1, STP_DEPTH_BITS - (int)plan->frame.depth_bits));
     uint32_t *c = plan->constant;
     c[PLAN_GROUPS] = cover                                 ? plan->facts.cover.groups
                      : plan->method == STP_METHOD_DEFERRED ? plan->facts.grouping.groups
