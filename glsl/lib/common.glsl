@@ -39,51 +39,53 @@ struct ClipData {
 };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer ClipRef { ClipData v[]; };
 
+#include "shared/constants.h"
 #include "shared/frame.h"
+#include "shared/push.h"
 
 layout(set = 0, binding = 0, scalar) uniform Frame { stp_frame_constants frame; };
 
-// The order is enum plan_constant (src/plan/constants.h).
-layout(constant_id = 0) const uint K = 1;
-layout(constant_id = 1) const uint VORONOI = 0;   // 0 off, 1 slab, 2 exact
-layout(constant_id = 2) const bool PACKED = false;
-layout(constant_id = 3) const bool GAUSS = false;
-layout(constant_id = 4) const bool TWO_SIDED = false;
-layout(constant_id = 5) const bool CULL_BACK = false;
-layout(constant_id = 6) const bool FLOOR = false;
-layout(constant_id = 7) const bool ORTHOGRAPHIC = false;
-layout(constant_id = 8) const bool HAS_COLOR = false;
-layout(constant_id = 9) const bool HAS_OBJECTS = false;
-layout(constant_id = 10) const bool HAS_UNKNOWN = false; // some normals are (0, 0, 0)
-layout(constant_id = 11) const bool HEAD_LIGHT = true;   // the default light alone
-layout(constant_id = 12) const bool LOCAL_VIEWER = false;
-layout(constant_id = 13) const bool BACKGROUND = false;
-layout(constant_id = 14) const uint AOVS = 0;            // bit 0 albedo and weight, 1 id and fragments, 2 layers
-layout(constant_id = 15) const uint SQUARINGS = 5;       // shininess = 2^SQUARINGS; 32: any
-layout(constant_id = 16) const bool REPAIR = false;      // two-pass code on overflowed pixels only
-layout(constant_id = 17) const bool KEY_IDS = false;     // exact: ids beside packed slots
-// 18 to 20 (64-bit atomics, gl_Layer from the vertex shader, doubles) choose modules, not code.
-layout(constant_id = 21) const uint SAMPLE_GRID = 1;     // the picture is the mean of SAMPLES
-layout(constant_id = 23) const uint AXIS_WALKS = 1;
-layout(constant_id = 24) const bool AXIS_CUT = false;     // near or far cuts kernels
-layout(constant_id = 25) const bool UNLIT = false;        // a volume shows its colours as they are
-layout(constant_id = 26) const uint AXIS_WALK = 0;        // of this pass
-layout(constant_id = 27) const uint AXIS_PART = 0;
-layout(constant_id = 28) const uint OPACITY = 0;         // 0 all is opaque, 1 one for all, 2 each its own
-layout(constant_id = 29) const bool MIXED = false;       // some splats are opaque, where others are not
-layout(constant_id = 30) const uint OPTICS = 0;          // STP_OPTICS_*, or-ed
-layout(constant_id = 31) const uint HOST_DEPTH = 0;      // enum plan_host_depth
-layout(constant_id = 32) const bool DEEP = false;         // layers are kept one by one
-layout(constant_id = 33) const uint PHONG = 0;            // 0 all are discs, 1 ellipses, 2 some clipped
-layout(constant_id = 34) const uint SHADE = 0;            // 0 pixels, 1 splats, 2 the nearest splat, flat
-layout(constant_id = 35) const bool LIGHT_CUBE = false;   // light is looked up over normals
-layout(constant_id = 36) const uint AXIS_SHAPE = 0;       // enum axis_shape
+layout(constant_id = PLAN_GROUPS) const uint K = 1;
+layout(constant_id = PLAN_VORONOI) const uint VORONOI = 0; // 0 off, 1 slab, 2 exact
+layout(constant_id = PLAN_PACKED) const bool PACKED = false;
+layout(constant_id = PLAN_GAUSS) const bool GAUSS = false;
+layout(constant_id = PLAN_TWO_SIDED) const bool TWO_SIDED = false;
+layout(constant_id = PLAN_CULL_BACK) const bool CULL_BACK = false;
+layout(constant_id = PLAN_FLOOR) const bool FLOOR = false;
+layout(constant_id = PLAN_ORTHOGRAPHIC) const bool ORTHOGRAPHIC = false;
+layout(constant_id = PLAN_HAS_COLOR) const bool HAS_COLOR = false;
+layout(constant_id = PLAN_HAS_OBJECTS) const bool HAS_OBJECTS = false;
+layout(constant_id = PLAN_HAS_UNKNOWN) const bool HAS_UNKNOWN = false; // some normals are (0, 0, 0)
+layout(constant_id = PLAN_HEAD_LIGHT) const bool HEAD_LIGHT = true; // the default light alone
+layout(constant_id = PLAN_LOCAL_VIEWER) const bool LOCAL_VIEWER = false;
+layout(constant_id = PLAN_BACKGROUND) const bool BACKGROUND = false;
+layout(constant_id = PLAN_AOVS) const uint AOVS = 0; // bit 0 albedo and weight, 1 id and fragments, 2 layers
+layout(constant_id = PLAN_SQUARINGS) const uint SQUARINGS = 5; // shininess = 2^SQUARINGS; 32: any
+layout(constant_id = PLAN_REPAIR) const bool REPAIR = false; // two-pass code on overflowed pixels only
+layout(constant_id = PLAN_KEY_IDS) const bool KEY_IDS = false; // exact: ids beside packed slots
+// PLAN_ATOMIC64, PLAN_LAYERED and PLAN_FLOAT64 choose modules, not code; PLAN_LANES is the size of a
+// workgroup of the pyramid's passes.
+layout(constant_id = PLAN_SAMPLE_GRID) const uint SAMPLE_GRID = 1; // the picture is the mean of SAMPLES
+layout(constant_id = PLAN_AXIS_WALKS) const uint AXIS_WALKS = 1;
+layout(constant_id = PLAN_AXIS_CUT) const bool AXIS_CUT = false; // near or far cuts kernels
+layout(constant_id = PLAN_UNLIT) const bool UNLIT = false; // a volume shows its colours as they are
+layout(constant_id = PLAN_AXIS_WALK) const uint AXIS_WALK = 0; // of this pass
+layout(constant_id = PLAN_AXIS_PART) const uint AXIS_PART = 0;
+layout(constant_id = PLAN_OPACITY) const uint OPACITY = 0; // 0 all is opaque, 1 one for all, 2 each its own
+layout(constant_id = PLAN_MIXED) const bool MIXED = false; // some splats are opaque, where others are not
+layout(constant_id = PLAN_OPTICS) const uint OPTICS = 0; // STP_OPTICS_*, or-ed
+layout(constant_id = PLAN_HOST_DEPTH) const uint HOST_DEPTH = 0; // enum plan_host_depth
+layout(constant_id = PLAN_DEEP) const bool DEEP = false; // layers are kept one by one
+layout(constant_id = PLAN_PHONG) const uint PHONG = 0; // 0 all are discs, 1 ellipses, 2 some clipped
+layout(constant_id = PLAN_SHADE) const uint SHADE = 0; // 0 pixels, 1 splats, 2 the nearest splat, flat
+layout(constant_id = PLAN_LIGHT_CUBE) const bool LIGHT_CUBE = false; // light is looked up over normals
+layout(constant_id = PLAN_AXIS_SHAPE) const uint AXIS_SHAPE = 0; // enum axis_shape
 const bool ELLIPSOIDS = AXIS_SHAPE == 1;                 // of range images
 const bool DISCS = AXIS_SHAPE == 2;                      // a surface's splats
-layout(constant_id = 37) const bool CULL_CLUSTERS = false; // pyramid: points, STP_CLUSTER at once
-layout(constant_id = 38) const bool RIM_FAR = false;       // discs reach beyond the pixels beside their own
-layout(constant_id = 39) const bool CUTS = true;           // near or far may cut a splat
-layout(constant_id = 40) const bool BINS = false;          // large splats are drawn block by block
+layout(constant_id = PLAN_CULL_CLUSTERS) const bool CULL_CLUSTERS = false; // pyramid: points, STP_CLUSTER at once
+layout(constant_id = PLAN_RIM_FAR) const bool RIM_FAR = false; // discs reach beyond the pixels beside their own
+layout(constant_id = PLAN_CUTS) const bool CUTS = true; // near or far may cut a splat
+layout(constant_id = PLAN_BINS) const bool BINS = false; // large splats are drawn block by block
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.
@@ -93,10 +95,7 @@ const uint ID_WORDS = (SAMPLE_GRID == 1 ? 2 : STP_ID_WORDS) + ((AOVS & 4) == 0 ?
 #ifndef PUSH_MORE
 #define PUSH_MORE
 #endif
-// push_first: the first splat of a draw, or the level of a pyramid; push_count: points; of a draw,
-// push_factor: of radii, push_shift: of its slabs, in slabs.
-layout(push_constant) uniform Push { uint push_first; uint push_sample; uint push_count; float push_factor; float push_shift; uint push_pad; PUSH_MORE };
-// Constant 22 is the size of a workgroup of the pyramid's passes.
+layout(push_constant, scalar) uniform Push { STP_PUSH PUSH_MORE };
 
 // An id that can be looked up, also of a lane that has none: loads are not always masked.
 uint splat_known(uint id)

@@ -3,7 +3,7 @@
 // and adds eight at a time.
 #define BINNED_ROWS 4
 
-const float PART = 1048576.0; // below 2^41 a term, 2^20 a part
+const float PART = float(1 << STP_PART_BITS); // a term is below 2^41
 
 struct Part {
     ivec4 high, low;

@@ -1,16 +1,5 @@
-// Where a host's image meets the picture. Before common.glsl: struct pass_host_push. Pixels of the
-// host's image: where the picture's corner is, and the part that this tile covers. Hardware depth =
-// add + scale / Z (orthographic: * Z), none where nothing is; the largest finite value of the colour
-// format; whether pixels without a surface are written too.
-#define PUSH_MORE                                                                                  \
-    ivec2 push_corner;                                                                             \
-    ivec2 push_low;                                                                                \
-    ivec2 push_high;                                                                               \
-    float push_add;                                                                                \
-    float push_scale;                                                                              \
-    float push_none;                                                                               \
-    float push_most;                                                                               \
-    uint push_replace;
+// Where a host's image meets the picture. Before common.glsl.
+#define PUSH_MORE STP_PUSH_HOST
 #include "lib/common.glsl"
 
 // The host's depth at a pixel of its image inside of the tile's part, as it was copied.

@@ -47,7 +47,7 @@ vec3 normal_decode(uint u)
 
 uint depth_quantise(float depth)
 {
-    return uint(clamp((depth - frame.depth_low) * frame.depth_scale, 0.0, 16777215.0));
+    return uint(clamp((depth - frame.depth_low) * frame.depth_scale, 0.0, float((1u << STP_DEPTH_BITS) - 1)));
 }
 
 float depth_restore(uint q)
@@ -57,7 +57,7 @@ float depth_restore(uint q)
 
 uint rho_quantise(float rho2)
 {
-    return uint(rho2 * 4095.0 + 0.5);
+    return uint(rho2 * float(STP_RHO_MOST) + 0.5);
 }
 
 // Both layouts split at bit 32 without cutting more than rho or rest, so that 32-bit words do.
@@ -88,9 +88,9 @@ uint key_depth(uvec2 key)
 
 float key_rho2(uvec2 key)
 {
-    uint rho = VORONOI == 1 ? key.y >> (frame.depth_bits - 4) & 4095
+    uint rho = VORONOI == 1 ? key.y >> (frame.depth_bits - 4) & STP_RHO_MOST
                             : (key.y & 255) << 4 | key.x >> 28;
-    return float(rho) * (1.0 / 4095.0);
+    return float(rho) * (1.0 / float(STP_RHO_MOST));
 }
 
 vec3 key_normal(uvec2 key)
@@ -102,7 +102,7 @@ uint64_t key_id(Fragment f, uint id)
 {
     uint high = depth_order(f.depth);
     if (VORONOI == 1) {
-        uint slab = uint(clamp((f.depth - frame.depth_low) * frame.slab_scale, 0.0, 262142.0));
+        uint slab = uint(clamp((f.depth - frame.depth_low) * frame.slab_scale, 0.0, float(STP_SLAB_MOST)));
         high = slab << 14 | uint(min(sqrt(f.rho2), 1.0) * 16383.0 + 0.5);
     } else if (VORONOI == 2) {
         high = floatBitsToUint(f.rho2);

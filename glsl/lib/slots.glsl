@@ -56,7 +56,7 @@ Term slot_term(Slot slot, bool present, uvec2 p)
 // Colour and opacity; of a sum in two parts that may overlap.
 vec4 sums_fine(Sums sums)
 {
-    SUM4 high = sums.high + (sums.low >> PART_BITS), low = sums.low & SUM4((1 << PART_BITS) - 1);
+    SUM4 high = sums.high + (sums.low >> STP_PART_BITS), low = sums.low & SUM4((1 << STP_PART_BITS) - 1);
     return vec4(high) * PART + vec4(low);
 }
 

@@ -12,11 +12,10 @@
 #define SUM3 ivec3
 #define SUM4 ivec4
 #endif
-const float UNIT = 16777216.0;
+const float UNIT = STP_WEIGHT_UNIT;
 // Colour and opacity are finer, 2^40: an opacity of 1e-6 keeps its own. They come in two parts that
 // each fit a word, since a software device converts and adds words eight at a time.
-const float ALPHA_UNIT = 1099511627776.0, PART = 1048576.0;
-const int PART_BITS = 20;
+const float ALPHA_UNIT = 1099511627776.0, PART = float(1 << STP_PART_BITS);
 
 // Of a slot's id word: the splat is opaque, where not all are.
 const uint SLOT_OPAQUE = 0x80000000u;

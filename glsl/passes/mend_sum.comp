@@ -48,9 +48,9 @@ void sum(uint pixel, Slot slot, Splat s, Fragment f, Rank near, float epsilon)
         add(pixel, 2 + i, one.normal[i]);
     if (HAS_COLOR)
         for (uint i = 0; i < 3; i++)
-            add(pixel, 5 + i, (one.high[i] << PART_BITS) + one.low[i]);
+            add(pixel, 5 + i, (one.high[i] << STP_PART_BITS) + one.low[i]);
     if (OPACITY == 2)
-        add(pixel, 8, (one.high.a << PART_BITS) + one.low.a);
+        add(pixel, 8, (one.high.a << STP_PART_BITS) + one.low.a);
     add(pixel, 9, 1);
 }
 

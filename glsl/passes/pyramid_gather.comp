@@ -8,7 +8,7 @@
 #include "lib/pixel.glsl"
 #include "lib/pyramid.glsl"
 #include "lib/discs.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 #ifdef FETCHED
 layout(set = 0, binding = STP_BINDING_SLOTS) uniform utextureBuffer key_texels;
 #endif

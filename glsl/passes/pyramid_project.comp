@@ -13,7 +13,7 @@
 #include "lib/points.glsl"
 #include "lib/clusters.glsl"
 #include "lib/reach.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 
 // The nearest of the points that a thread has met in a row in one pixel: its key is written when the next
 // falls into another, since atomics are most of what a point costs.

@@ -6,7 +6,7 @@
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #include "lib/pyramid.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 
 // Neither near nor far cuts the disc.
 bool disc_uncut(Texel t)

@@ -7,7 +7,7 @@
 #include "lib/pixel.glsl"
 #include "lib/pyramid.glsl"
 #include "lib/push.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 
 void push(uint level, ivec2 p)
 {

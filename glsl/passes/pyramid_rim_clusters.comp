@@ -8,7 +8,7 @@
 #include "lib/pyramid.glsl"
 #include "lib/rim.glsl"
 #include "lib/clusters.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 
 // Pixels of the grid that its discs may touch. False: none.
 bool cluster_box(Cluster c, out ivec4 box)

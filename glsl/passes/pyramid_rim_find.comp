@@ -10,7 +10,7 @@
 #include "lib/pyramid.glsl"
 #include "lib/discs.glsl"
 #include "lib/rim.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 
 // All of a bare block's pixels in the tile are open: no key stands there, and no limit.
 void open_bare(uvec2 block, uint index)

@@ -14,7 +14,7 @@ uint surface_object;
 #include "lib/own.glsl"
 #include "lib/push.glsl"
 #include "lib/rim_surface.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 
 // The pixel stays as it is; a disc shows; nothing does; discs from afar decide.
 const uint STAYS = 0, SHOWS = 1, NOTHING_SHOWS = 2, OPENS = 3;

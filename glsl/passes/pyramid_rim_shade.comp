@@ -13,7 +13,7 @@ uint surface_object;
 #include "lib/own.glsl"
 #include "lib/push.glsl"
 #include "lib/rim_surface.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 
 struct Settled {
     bool changes; // else the pixel stays as it is

@@ -14,7 +14,7 @@
 #include "lib/pyramid.glsl"
 #include "lib/discs.glsl"
 #include "lib/rim.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 
 void visit(Texel t, uint id, uvec2 p)
 {

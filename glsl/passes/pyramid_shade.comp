@@ -11,7 +11,7 @@
 uint surface_object;
 #include "lib/shade.glsl"
 #include "lib/own.glsl"
-layout(local_size_x_id = 22) in;
+layout(local_size_x_id = PLAN_LANES) in;
 
 // What is left to the passes over the rim: nothing; whether a disc covers the pixel; whether one hides
 // what it shows; discs from afar alone.

@@ -47,6 +47,11 @@
 #define STP_SUM_WORDS          10 /* 64-bit words of a pixel's fixed-point sums */
 #define STP_SUM_WORDS_PLAIN    6  /* without colours and fragments */
 #define STP_LIGHTS             8
+#define STP_DEPTH_BITS         24         /* of quantised depths */
+#define STP_RHO_MOST           4095       /* of quantised rho^2 */
+#define STP_SLAB_MOST          262142     /* keys with ids hold 18 bits of slab */
+#define STP_WEIGHT_UNIT        16777216.0 /* of exact's sums of weights and normals */
+#define STP_PART_BITS          20         /* of the lower part of a term of sums */
 #define STP_ENVIRONMENT_LEVELS 12
 /* What PLAN_OPTICS holds, or-ed. */
 #define STP_OPTICS_SURFACE  1u   /* surfaces meet the environment */
@@ -271,7 +276,6 @@ struct stp_frame_constants {
     uint level_row[STP_LEVELS];
     float radius_unit, radius_scale; /* what radii are packed in, and its inverse */
     int block_reach;                 /* blocks beyond a touched one that a disc may reach */
-    int rim_blocks;                  /* and beyond a point's own, that its disc may */
     uint rim_level;                  /* whose empty texels a mean's disc may reach into, at most */
     float pyramid_floor;             /* least radius on the screen, pixels */
     float pyramid_color;             /* colours are packed times this */

@@ -79,7 +79,7 @@ enum stp_result pass_host_pipeline(const struct stp_env *env, struct stp_context
 
 /* Hardware depth of eye depth z: add + scale / z in perspective, add + scale * z orthographic. */
 static void depth_convention(const struct stp_plan *plan, const struct pass_host *host, double near,
-                             double far, struct pass_host_push *push)
+                             double far, struct stp_push_host *push)
 {
     double add = 1, scale = -near;
     if (plan->constant[PLAN_ORTHOGRAPHIC]) {
@@ -89,9 +89,9 @@ static void depth_convention(const struct stp_plan *plan, const struct pass_host
         add = far / (far - near);
         scale = -near * add;
     }
-    push->depth_add = (float)(host->depth_reversed ? 1 - add : add);
-    push->depth_scale = (float)(host->depth_reversed ? -scale : scale);
-    push->depth_none = host->depth_reversed ? 0 : 1;
+    push->push_add = (float)(host->depth_reversed ? 1 - add : add);
+    push->push_scale = (float)(host->depth_reversed ? -scale : scale);
+    push->push_none = host->depth_reversed ? 0 : 1;
 }
 
 static int32_t most(int32_t a, int32_t b)
@@ -127,12 +127,12 @@ void pass_push_host(struct stp_context *context, VkCommandBuffer commands,
 {
     const struct stp_targets *targets = resources->targets;
     VkRect2D area = tile_inside(tile, targets);
-    struct pass_host_push push = { .corner = { targets->x, targets->y },
-                                   .low = { area.offset.x, area.offset.y },
-                                   .high = { area.offset.x + (int32_t)area.extent.width,
-                                             area.offset.y + (int32_t)area.extent.height },
-                                   .most = pass_host_most(resources->host->color_format),
-                                   .replace = resources->host->replace };
+    struct stp_push_host push = { .push_corner = { targets->x, targets->y },
+                                  .push_low = { area.offset.x, area.offset.y },
+                                  .push_high = { area.offset.x + (int32_t)area.extent.width,
+                                                 area.offset.y + (int32_t)area.extent.height },
+                                  .push_most = pass_host_most(resources->host->color_format),
+                                  .push_replace = resources->host->replace };
     depth_convention(plan, resources->host, targets->depth_near, targets->depth_far, &push);
     context->vk.vkCmdPushConstants(commands, resources->layout, PASS_PUSH_STAGES, PASS_PUSH_HOST,
                                    sizeof push, &push);

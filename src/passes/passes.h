@@ -3,8 +3,11 @@
 #ifndef STP_PASSES_PASSES_H
 #define STP_PASSES_PASSES_H
 
+#include <stddef.h>
+
 #include "gpu/gpu.h"
 #include "plan/plan.h"
+#include "shared/push.h"
 
 /* The resources of a plan on a device, by their index in the plan. */
 struct pass_resources {
@@ -22,14 +25,12 @@ struct pass_resources {
     VkDescriptorSet set;
 };
 
-/* Push constants: the first splat of a draw, or of those on the device, or the level of a pyramid;
- * the sample's index; a count of points; what a draw's radii are multiplied by and its slabs
- * shifted by; then, of a host's frame, struct pass_host_push. */
-#define PASS_PUSH_FIRST  0
-#define PASS_PUSH_SAMPLE 4
-#define PASS_PUSH_COUNT  8
-#define PASS_PUSH_DRAW   12
-#define PASS_PUSH_HOST   24
+/* Struct stp_push; then, of a host's frame, struct stp_push_host. */
+#define PASS_PUSH_FIRST  offsetof(struct stp_push, push_first)
+#define PASS_PUSH_SAMPLE offsetof(struct stp_push, push_sample)
+#define PASS_PUSH_COUNT  offsetof(struct stp_push, push_count)
+#define PASS_PUSH_DRAW   offsetof(struct stp_push, push_factor)
+#define PASS_PUSH_HOST   sizeof(struct stp_push)
 #define PASS_PUSH_STAGES                                                                           \
     (VK_SHADER_STAGE_COMPUTE_BIT | VK_SHADER_STAGE_VERTEX_BIT | VK_SHADER_STAGE_FRAGMENT_BIT)
 
@@ -111,12 +112,6 @@ enum stp_result pass_graphics_pipeline(const struct stp_env *env, struct stp_con
 struct pass_host {
     VkFormat color_format, depth_format;
     bool depth_reversed, depth_read_only, replace;
-};
-/* glsl/lib/host.glsl; low and high: the part of the host's image that a tile covers */
-struct pass_host_push {
-    int32_t corner[2], low[2], high[2];
-    float depth_add, depth_scale, depth_none, most;
-    uint32_t replace;
 };
 float pass_host_most(VkFormat color);                 /* largest finite value; 0: not supported */
 VkImageAspectFlags pass_host_aspects(VkFormat depth); /* 0: not supported */

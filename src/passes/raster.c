@@ -227,6 +227,9 @@ static VkRenderingAttachmentInfo attachment(const struct stp_plan *plan,
                                         .clearValue = clear };
 }
 
+_Static_assert(offsetof(struct stp_push, push_shift) == PASS_PUSH_DRAW + sizeof(float),
+               "pushed together");
+
 static void push_draw(struct stp_context *context, VkCommandBuffer commands,
                       const struct plan_pass *pass, const struct pass_resources *resources)
 {

@@ -170,15 +170,13 @@ static enum plan_cost cost(const struct stp_plan *plan, const struct survey *sur
     return plan->constant[PLAN_KEY_IDS] ? PLAN_COST_EXACT_PACKED_IDS : PLAN_COST_EXACT_PACKED;
 }
 
-#define WEIGHT_UNIT 16777216.0 /* UNIT of glsl/lib/terms.glsl */
-
 /* Every fragment; what is summed are integers. */
 static void keep(const struct stp_plan *plan, struct probe_fragment *fragment, size_t count)
 {
     for (size_t i = 0; i < count; i++) {
         if (plan->constant[PLAN_PACKED])
             plan_quantise_packed(plan, &fragment[i]);
-        fragment[i].weight = round(fragment[i].weight * WEIGHT_UNIT) / WEIGHT_UNIT;
+        fragment[i].weight = round(fragment[i].weight * STP_WEIGHT_UNIT) / STP_WEIGHT_UNIT;
     }
 }
 

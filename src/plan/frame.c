@@ -83,7 +83,7 @@ static bool may_cut(const struct stp_plan *plan)
     return !(low - reach > plan->camera.near_depth && high + reach < plan->camera.far_depth);
 }
 
-/* Depth in 24 bits, with epsilon exactly 2^m steps: epsilon tests and slabs are integer. */
+/* Depth in STP_DEPTH_BITS, with epsilon exactly 2^m steps: epsilon tests and slabs are integer. */
 static void quantisation(struct stp_plan *plan)
 {
     struct stp_frame_constants *f = &plan->frame;
@@ -91,7 +91,7 @@ static void quantisation(struct stp_plan *plan)
     depth_range(plan, &low, &high);
     double nearest = low;
     low -= 0.25 * epsilon; /* rounding never reaches below step 0 */
-    double bits = floor(24 - log2((high - low) / epsilon + 2));
+    double bits = floor(STP_DEPTH_BITS - log2((high - low) / epsilon + 2));
     f->depth_bits = bits > 16 ? 16 : bits >= 1 ? (uint32_t)bits : 1; /* not a number: 1 */
     double scale = ldexp(1, (int)f->depth_bits) / epsilon;
     f->depth_low = (float)low;
@@ -258,6 +258,6 @@ uint32_t plan_least_depth_bits(const struct stp_plan *plan)
     struct vec3 size = v3_sub(v3_load(plan->facts.bounds + 3), v3_load(plan->facts.bounds));
     double epsilon = plan->frame.epsilon;
     double range = v3_length(size) + 2 * plan->facts.radius_max + 0.25 * epsilon;
-    double bits = floor(24 - log2(range / epsilon + 2));
+    double bits = floor(STP_DEPTH_BITS - log2(range / epsilon + 2));
     return bits > 16 ? 16 : bits < 1 ? 1 : (uint32_t)bits;
 }

@@ -30,9 +30,9 @@ static struct vec3 octahedral(struct vec3 n)
 void plan_quantise_packed(const struct stp_plan *plan, struct probe_fragment *f)
 {
     double low = plan->frame.depth_low, scale = plan->frame.depth_scale;
-    double step = fmin(fmax(floor((f->depth - low) * scale), 0), 16777215);
+    double step = fmin(fmax(floor((f->depth - low) * scale), 0), (1u << STP_DEPTH_BITS) - 1);
     f->depth = low + (step + 0.5) / scale;
-    f->rho2 = floor(f->rho2 * 4095 + 0.5) / 4095;
+    f->rho2 = floor(f->rho2 * STP_RHO_MOST + 0.5) / STP_RHO_MOST;
     f->weight = kernel(plan, f->rho2);
     f->normal = octahedral(f->normal);
 }

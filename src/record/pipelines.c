@@ -107,7 +107,7 @@ static VkResult make_layouts(struct stp_context *c, const struct record_bindings
     VkResult result = c->vk.vkCreateDescriptorSetLayout(c->device, &set, NULL, &p->set_layout);
     if (result != VK_SUCCESS)
         return result;
-    uint32_t bytes = PASS_PUSH_HOST + (hosted ? (uint32_t)sizeof(struct pass_host_push) : 0);
+    uint32_t bytes = (uint32_t)(PASS_PUSH_HOST + (hosted ? sizeof(struct stp_push_host) : 0));
     VkPushConstantRange push = { PASS_PUSH_STAGES, 0, bytes };
     VkPipelineLayoutCreateInfo layout = { .sType = VK_STRUCTURE_TYPE_PIPELINE_LAYOUT_CREATE_INFO,
                                           .setLayoutCount = 1,
