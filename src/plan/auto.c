@@ -98,14 +98,20 @@ static struct auto_candidate *cheapest(struct choosing *c)
     return found;
 }
 
+/* Errors that differ by less than what an estimate leaves open are alike: of these the cheapest. */
+#define ALIKE 1.05
 static struct auto_candidate *most_exact(struct choosing *c)
 {
-    struct auto_candidate *found = &c->candidate[0];
-    for (unsigned i = 1; i < c->count; i++)
-        if (c->candidate[i].error < found->error ||
-            (c->candidate[i].error == found->error && c->candidate[i].ms < found->ms))
-            found = &c->candidate[i];
-    return found;
+    double least = INFINITY;
+    for (unsigned i = 0; i < c->count; i++)
+        least = fmin(least, c->candidate[i].error);
+    struct auto_candidate *found = NULL;
+    for (unsigned i = 0; i < c->count; i++) {
+        struct auto_candidate *candidate = &c->candidate[i];
+        if (candidate->error <= ALIKE * least && (!found || candidate->ms < found->ms))
+            found = candidate;
+    }
+    return found ? found : &c->candidate[0];
 }
 
 static enum stp_result search(struct choosing *c, struct auto_candidate **chosen)

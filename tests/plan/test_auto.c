@@ -303,6 +303,9 @@ static void test_unmet(void **state)
     assert_int_equal(choice.params.method, STP_METHOD_TWO_PASS);
     assert_int_equal(log.lines, 1);
     assert_non_null(strstr(log.last, "1e-09"));
+    assert_int_equal(choice.params.path, STP_PATH_COMPUTE);
+    price(&in, PLAN_COST_TWO_PASS_RASTER, 4); /* no less exact, and cheaper */
+    assert_int_equal(choose(&in).params.path, STP_PATH_RASTER);
     release_inputs(&in);
 }
 
