@@ -18,19 +18,17 @@ direction (0.4, 0.3, 1), y up, 30 degrees, the largest |ndc| of a centre 0.95; 1
 faces culled, parabola kernel, no screen-space floor, epsilon the median radius. Input is binary
 little-endian PLY. docs/results/ was made with it.
 """
-import argparse
 import json
 import math
 import os
 import re
 import statistics
 import struct
-import subprocess
 import sys
 import tempfile
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
+from command_line import Arguments, existing, positive, run, stipple
+
 SIZE = 1024
 VIEW = ["--size", f"{SIZE}x{SIZE}", "--cull", "back", "--min-splat", "0", "-q"]
 LETTERS = {"float": "f", "float32": "f", "double": "d", "float64": "d", "uchar": "B", "uint8": "B",
@@ -117,10 +115,6 @@ def camera(path, out):
                    "height": SIZE, "near": distance * 1e-3, "far": None}, file)
 
 
-def stipple(*arguments):
-    return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True).stdout
-
-
 def render(model, view, method, *more):
     stipple("render", model, "--camera", view, *VIEW, "--method", *method, *more)
 
@@ -144,8 +138,7 @@ def accuracy(models, folder):
 
 def peer(program, model, folder):
     mode = ["1p1"] if os.path.basename(program) == "em" else []
-    text = subprocess.run([program, model, os.path.join(folder, "p.pfm"), *mode, str(SIZE), "7"],
-                          check=True, capture_output=True, text=True).stdout
+    text = run(program, model, os.path.join(folder, "p.pfm"), *mode, str(SIZE), "7").stdout
     return float(re.search(r"median ([0-9.]+) ms", text).group(1))
 
 
@@ -260,12 +253,11 @@ def transparency(models, folder, options):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Arguments(__doc__)
     parser.add_argument("what", choices=["accuracy", "speed", "transparency"])
-    parser.add_argument("models", nargs="+", metavar="FILE.ply")
-    parser.add_argument("--peers", metavar="DIR")
-    parser.add_argument("--rounds", type=int, help="default: 5; of ratios: 7")
+    parser.add_argument("models", nargs="+", type=existing, metavar="FILE.ply")
+    parser.add_argument("--peers", type=existing, metavar="DIR")
+    parser.add_argument("--rounds", type=positive, help="default: 5; of ratios: 7")
     parser.add_argument("--part", choices=["errors", "times", "ratios"],
                         help="of transparency; default: errors and times")
     parser.add_argument("--opacity", action="append", metavar="A",

@@ -24,22 +24,16 @@ auto and bounds take --opacity A: both faces of a transparent scene.
 auto and reports: 1024 x 1024, back faces culled, no screen-space floor, the automatic view. Where the
 device was calibrated its own prices are used (stipple devices --calibrate), else the built-in ones.
 """
-import argparse
 import csv
 import json
 import os
 import re
-import subprocess
 import sys
 import tempfile
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
+from command_line import Arguments, Failed, ROOT, STIPPLE, run, stipple
+
 VIEW = ["--size", "1024x1024", "--cull", "back", "--min-splat", "0", "-q"]
-
-
-def stipple(*arguments):
-    return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True).stdout
 
 
 def way(pick, prefix=""):
@@ -75,6 +69,7 @@ def auto(models, rounds, more, keep):
         with tempfile.TemporaryDirectory() as temporary:
             name = re.sub(r"\.\w+$", "", os.path.basename(model))
             folder = os.path.join(keep, "report-" + name) if keep else temporary
+            os.makedirs(folder, exist_ok=True)
             stipple("report", model, "-o", folder, "--quick", "--rounds", str(rounds), *VIEW, *more)
             with open(os.path.join(folder, "auto.csv"), newline="", encoding="ascii") as file:
                 picks = list(csv.DictReader(file))
@@ -150,8 +145,8 @@ def bounds(models, more):
             try:
                 stipple("render", model, "-o", os.path.join(folder, "t.exr"), "--method", "reference",
                         *SMALL, *more)
-            except subprocess.CalledProcessError as error:
-                tally.refused.append((model, error.stderr.strip().splitlines()[-1]))
+            except Failed as error:
+                tally.refused.append((model, (error.said or [str(error)])[-1]))
                 continue
             cells, before = [], None
             for bound in BOUNDS:
@@ -227,8 +222,7 @@ def features(model, method, rounds):
 
 def costs(*arguments):
     """Of a run's log: kind, milliseconds, amounts."""
-    log = subprocess.run([STIPPLE, *arguments, "--verbose"], check=True, capture_output=True,
-                         text=True).stderr
+    log = run(STIPPLE, *arguments, "--verbose").stderr
     for line in re.finditer(r"cost of ([^:]+): ([-0-9.e+]+) ms(.*)$", log, re.M):
         terms = re.findall(r"; ([a-z ]+) ([-0-9.e+]+)", line[3])
         yield line[1], float(line[2]), {name: float(value) for name, value in terms}
@@ -292,10 +286,10 @@ def prices(models, only, lean, write):
     with tempfile.TemporaryDirectory() as folder:
         runs = [["devices", "--calibrate"]]
         runs += [["report", model, "-o", folder, "--quick", *VIEW[:-1]] for model in models]
-        for run in runs:
-            for kind, ms, amount in costs(*run):
+        for words in runs:
+            for kind, ms, amount in costs(*words):
                 kinds.setdefault(kind, []).append((ms, amount))
-            print(" ".join(run), file=sys.stderr, flush=True)
+            print(" ".join(words), file=sys.stderr, flush=True)
     for kind, rows in kinds.items():
         if not kind.startswith(only):
             continue
@@ -307,10 +301,11 @@ def prices(models, only, lean, write):
         if write:
             enter(kind, row)
     if write:
-        subprocess.run(["clang-format", "-i", PROFILE], check=True)
+        run("clang-format", "-i", PROFILE)
 
 
 def reports(folder, models):
+    os.makedirs(folder, exist_ok=True)
     for model in models:
         name = re.sub(r"\.\w+$", "", os.path.basename(model))
         stipple("report", model, "-o", os.path.join(folder, "report-" + name), *VIEW)
@@ -318,8 +313,7 @@ def reports(folder, models):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Arguments(__doc__)
     parser.add_argument("what", choices=["auto", "bounds", "features", "prices", "reports"])
     parser.add_argument("arguments", nargs="+", metavar="FILE")
     parser.add_argument("--rounds", type=int, default=3)
@@ -330,6 +324,14 @@ def main():
     parser.add_argument("--lean", type=float, default=0.0, metavar="L", help="of prices: on those there are")
     parser.add_argument("--write", action="store_true", help="of prices: into src/plan/profile.c")
     options = parser.parse_args()
+    files = options.arguments[1:] if options.what == "reports" else options.arguments
+    if not files or options.what == "features" and len(files) > 1:
+        parser.error(f"{options.what} takes {'DIR FILE...' if not files else 'one FILE'}")
+    for file in files:
+        if not os.path.exists(file):
+            parser.error(f"{file}: no such file")
+    if options.rounds < 0 or options.rounds == 0 and options.what != "features":
+        parser.error("--rounds is a number from 1 on, of features from 0")
     more = ["--opacity", options.opacity, "--cull", "none"] if options.opacity else []
     if options.what == "auto":
         auto(options.arguments, options.rounds, more, options.keep)

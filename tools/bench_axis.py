@@ -22,18 +22,16 @@ a view of all three axes. sheet: an orbit as a contact sheet, a row a merge, the
 same rows as differences from it, times 4; needs oiiotool; without a FILE a volume is made for it.
 docs/results/axis.md was made with it.
 """
-import argparse
 import json
 import math
 import os
 import re
 import statistics
-import subprocess
 import tempfile
 import time
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
+from command_line import Arguments, positive, run, stipple
+
 CONFIGS = [
     ("blend, h = 0", ["--axis-merge", "blend", "--axis-h", "0"]),
     ("blend, h = 0.85", ["--axis-merge", "blend"]),
@@ -46,19 +44,15 @@ CONFIGS = [
 EXACT = ["--method", "axis", "--axis-merge", "reference"]
 
 
-def run(*arguments):
-    return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True).stdout
-
-
 def render(file, view, size, out, more, stats=None, repeat=0):
     timing = ["--stats", stats, "--repeat", str(repeat)] if stats else []
-    run("render", file, "--size", f"{size}x{size}", "--view", view, "-o", out, "-q",
+    stipple("render", file, "--size", f"{size}x{size}", "--view", view, "-o", out, "-q",
         "--compression", "none", *more, *timing)
 
 
 def error(a, b):
     """The figures over all pixels and over covered ones, of a against b."""
-    return json.loads(run("compare", "--json", a, b))
+    return json.loads(stipple("compare", "--json", a, b))
 
 
 def one_table(file, view, rounds, folder):
@@ -228,7 +222,7 @@ def cold(files, rounds):
             least = math.inf
             for _ in range(rounds):
                 start = time.monotonic()
-                run("render", file, "--size", "512x512", "-o", os.path.join(folder, "o.exr"), "-q")
+                stipple("render", file, "--size", "512x512", "-o", os.path.join(folder, "o.exr"), "-q")
                 least = min(least, time.monotonic() - start)
             print(f"| {os.path.basename(file)} | {least:.2f} |", flush=True)
 
@@ -316,28 +310,37 @@ def sheet(out, file, start, end, frames, size):
                for row in range(len(ways) - 1) for i in range(frames)]
         for n, path in enumerate(off):
             row, i = divmod(n, frames)
-            subprocess.run(["oiiotool", cells[row][i], "--ch", "R,G,B", cells[-1][i], "--ch", "R,G,B",
-                            "--absdiff", "--mulc", "4", "-o", path], check=True)
+            run("oiiotool", cells[row][i], "--ch", "R,G,B", cells[-1][i], "--ch", "R,G,B", "--absdiff",
+                    "--mulc", "4", "-o", path)
         shown = [path for row in cells for path in row]
-        subprocess.run(["oiiotool", *(word for path in shown + off for word in (path, "--ch", "R,G,B")),
-                        "--mosaic:pad=2", f"{frames}x{2 * len(ways) - 1}",
-                        "--colorconvert", "linear", "sRGB", "-d", "uint8", "-o", out], check=True)
+        run("oiiotool", *(word for path in shown + off for word in (path, "--ch", "R,G,B")),
+                "--mosaic:pad=2", f"{frames}x{2 * len(ways) - 1}", "--colorconvert", "linear", "sRGB", "-d",
+                "uint8", "-o", out)
     print(f"{out}: from the top " + ", ".join(name for name, _ in ways) +
           "; then the first four's differences from the last, times 4")
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Arguments(__doc__)
     parser.add_argument("what", choices=["tables", "speed", "volumes", "popping", "cold", "corners",
                                          "sheet"])
     parser.add_argument("files", nargs="*", metavar="FILE")
     parser.add_argument("--view", default="45,35.264")
     parser.add_argument("--to", default="45,35.264")
-    parser.add_argument("--frames", type=int, default=21)
-    parser.add_argument("--rounds", type=int)
+    parser.add_argument("--frames", type=positive, default=21)
+    parser.add_argument("--rounds", type=positive)
     parser.add_argument("--pictures", metavar="DIR")
     given = parser.parse_args()
+    files = given.files[1:] if given.what == "sheet" else given.files
+    if given.what not in ("corners", "sheet") and not files:
+        parser.error(f"{given.what} takes FILE...")
+    if given.what == "sheet" and not 1 <= len(given.files) <= 2:
+        parser.error("sheet takes OUT.png [FILE]")
+    if given.what == "corners" and files:
+        parser.error("corners takes no file")
+    for file in files:
+        if not os.path.exists(file):
+            parser.error(f"{file}: no such file")
     given.rounds = given.rounds or (20 if given.what == "speed" else 2)
     if given.what == "tables":
         tables(given.files, given.view, given.rounds)
@@ -356,4 +359,5 @@ def main():
         popping(given.files, given.view, given.to, given.frames)
 
 
-main()
+if __name__ == "__main__":
+    main()

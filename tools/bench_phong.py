@@ -27,7 +27,6 @@ angle of a linear one. frames: milliseconds of a warm frame of Phong splats, and
 ones as have the same error. fit: points a second. Times are the medians of the rounds. Edges:
 tools/bench_phong_edges.py.
 """
-import argparse
 import json
 import math
 import os
@@ -35,14 +34,12 @@ import random
 import re
 import statistics
 import struct
-import subprocess
 import tempfile
 
 import bench_phong_limit
+import command_line
 import make_model
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
 
 
 # Smooth shapes: position and normal of two numbers in [0, 1).
@@ -96,7 +93,7 @@ def model_file(model, folder):
 
 
 def run(*arguments):
-    return subprocess.run([STIPPLE, *arguments], check=True, capture_output=True, text=True)
+    return command_line.run(command_line.STIPPLE, *arguments)
 
 
 def fit(file, size, out, more=()):
@@ -244,7 +241,7 @@ def curve(arguments):
 def limits(arguments):
     with tempfile.TemporaryDirectory() as folder:
         for model in arguments.model:
-            bench_phong_limit.print_limits(STIPPLE, os.path.basename(model), model_file(model, folder),
+            bench_phong_limit.print_limits(os.path.basename(model), model_file(model, folder),
                                            arguments.counts)
 
 
@@ -320,8 +317,7 @@ def fits(arguments):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line.Arguments(__doc__)
     parser.add_argument("what", choices=["curve", "limit", "frames", "fit"])
     parser.add_argument("model", nargs="+")
     parser.add_argument("--counts", type=lambda text: [int(n) for n in text.split(",")],
@@ -332,15 +328,18 @@ def main():
                         help="ambient,diffuse,specular,shininess; default: 0.1,0.7,0.2,32")
     parser.add_argument("--view", default="35,15")
     parser.add_argument("--method", default="two-pass")
-    parser.add_argument("--rounds", type=int, default=5)
+    parser.add_argument("--rounds", type=command_line.positive, default=5)
     arguments = parser.parse_args()
+    for model in arguments.model:
+        if model not in SHAPES and not os.path.exists(model):
+            parser.error(f"{model}: no such file, and none of {', '.join(SHAPES)}")
     if arguments.tolerances and arguments.what != "curve":
         parser.error("--tolerances is of curve")
     if arguments.tolerances:
         arguments.counts = arguments.tolerances
     elif not arguments.counts:
         few = arguments.what == "frames"
-        arguments.counts = [3000, 10000] if few else [1000, 3000, 10000, 30000, 100000]
+        arguments.counts = [3000, 10000] if few else bench_phong_limit.COUNTS
     {"curve": curve, "limit": limits, "frames": frames, "fit": fits}[arguments.what](arguments)
 
 

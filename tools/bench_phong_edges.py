@@ -12,18 +12,16 @@ whose surface lies within 1 % of the diagonal of an edge sharper than --sharp de
 between the picture's normal and that of the mesh's face there, found by rasterizing the mesh with
 code of its own. "wrong" are angles above 10 degrees; "uncovered" are pixels where no splat is.
 """
-import argparse
 import json
 import math
 import os
 import random
 import re
 import struct
-import subprocess
 import tempfile
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
+from command_line import Arguments, STIPPLE, existing, positive, run, stipple
+
 VIEWS = [(35, 25), (155, -20), (275, 50)]
 NEAR = 0.01
 
@@ -192,12 +190,11 @@ def normals(cloud, view, folder):
     camera, out = (os.path.join(folder, n) for n in ("camera.json", "out.exr"))
     view.write(camera)
     size = f"{view.pixels}x{view.pixels}"
-    subprocess.run([STIPPLE, "render", cloud, "-o", out, "-q", "--camera", camera, "--size", size,
-                    "--method", "exact", "--min-splat", "0", "--cull", "back"], check=True)
+    stipple("render", cloud, "-o", out, "-q", "--camera", camera, "--size", size, "--method", "exact",
+            "--min-splat", "0", "--cull", "back")
     some = os.path.join(folder, "normals.exr")
-    subprocess.run(["oiiotool", out, "--ch", "N.X,N.Y,N.Z", "-o", some], check=True)
-    text = subprocess.run(["oiiotool", "--dumpdata", some], check=True, capture_output=True,
-                          text=True).stdout
+    run("oiiotool", out, "--ch", "N.X,N.Y,N.Z", "-o", some)
+    text = run("oiiotool", "--dumpdata", some).stdout
     found = [tuple(map(float, line.split(":")[1].split()))
              for line in text.splitlines() if line.lstrip().startswith("Pixel (")]
     assert len(found) == view.pixels ** 2
@@ -245,21 +242,19 @@ def measure(cloud, views, truths, folder):
 
 def fit(cloud, few, tolerance, more):
     """How many splats, and how many of them are clipped."""
-    told = subprocess.run([STIPPLE, "prepare", cloud, "-o", few, "--fit", repr(tolerance), *more],
-                          check=True, capture_output=True, text=True).stderr
+    told = run(STIPPLE, "prepare", cloud, "-o", few, "--fit", repr(tolerance), *more).stderr
     return re.search(r"-> (\d+) splats.* (\d+) clipped", told).groups()
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("mesh", nargs="?")
-    parser.add_argument("--cloud")
-    parser.add_argument("--samples", type=int, default=60000)
+    parser = Arguments(__doc__)
+    parser.add_argument("mesh", nargs="?", type=existing)
+    parser.add_argument("--cloud", type=existing)
+    parser.add_argument("--samples", type=positive, default=60000)
     parser.add_argument("--fit", type=lambda text: [float(n) for n in text.split(",")],
                         default=[0.0005, 0.001, 0.002])
     parser.add_argument("--sharp", type=float, default=30)
-    parser.add_argument("--size", type=int, default=600)
+    parser.add_argument("--size", type=positive, default=600)
     options = parser.parse_args()
     mesh = Mesh(*(read_obj(options.mesh) if options.mesh else generated()), options.sharp)
     views = [View(mesh, *v, options.size) for v in VIEWS]

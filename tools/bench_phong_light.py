@@ -5,15 +5,13 @@
 
 Milliseconds of a warm frame, record to fence: the median of the rounds, whose runs are interleaved.
 """
-import argparse
 import json
 import os
 import statistics
-import subprocess
 import tempfile
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
+from command_line import Arguments, existing, positive, stipple
+
 DIRECTIONS = [(1, 1, 1), (-1, 1, 1), (1, -1, 1), (1, 1, -1), (-1, -1, 1), (0, 1, 0.3), (0.2, 0.1, 1), (-1, 0, 0.5)]
 
 
@@ -27,18 +25,17 @@ def write_scene(path, model, lights):
 
 def frame_ms(folder, scene, cube, repeat):
     stats = os.path.join(folder, "stats.json")
-    subprocess.run([STIPPLE, "render", scene, "--size", "1024x1024", "--method", "exact", "--cull", "back",
-                    "--light-cube", cube, "--repeat", str(repeat), "--stats", stats, "-q",
-                    "-o", os.path.join(folder, "out.exr")], check=True)
+    stipple("render", scene, "--size", "1024x1024", "--method", "exact", "--cull", "back", "--light-cube",
+            cube, "--repeat", str(repeat), "--stats", stats, "-q", "-o", os.path.join(folder, "out.exr"))
     with open(stats) as text:
         return json.load(text)["frame_ms"]["median"]
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("file")
-    parser.add_argument("--rounds", type=int, default=3)
-    parser.add_argument("--repeat", type=int, default=10)
+    parser = Arguments(__doc__)
+    parser.add_argument("file", type=existing)
+    parser.add_argument("--rounds", type=positive, default=3)
+    parser.add_argument("--repeat", type=positive, default=10)
     options = parser.parse_args()
     print("| lights | summed, ms | light cube, ms |\n|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:

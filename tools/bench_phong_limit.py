@@ -1,21 +1,27 @@
-"""How well fields of normals over a point's nearest neighbours can be: tools/bench_phong.py limit."""
+#!/usr/bin/env python3
+"""How well fields of normals over a point's nearest neighbours can be, as Markdown tables.
+
+  tools/bench_phong_limit.py FILE...      what `tools/bench_phong.py limit` prints, which also makes shapes
+"""
 import math
 import os
 import random
 import struct
-import subprocess
 import tempfile
 
+from command_line import Arguments, existing, stipple
+
+COUNTS = [1000, 3000, 10000, 30000, 100000]  # of splats
 CENTERS = 400
 FURTHEST = 1024  # points of a splat
 SIZES = {"double": "d", "float": "f", "uint": "I", "uchar": "B"}
 
 
-def read_splats(stipple, file):
+def read_splats(file):
     """Position and normal of each prepared splat."""
     with tempfile.TemporaryDirectory() as folder:
         path = os.path.join(folder, "all.ply")
-        subprocess.run([stipple, "prepare", file, "-o", path], check=True, capture_output=True)
+        stipple("prepare", file, "-o", path)
         with open(path, "rb") as source:
             data = source.read()
     start = data.index(b"end_header\n") + len(b"end_header\n")
@@ -114,8 +120,8 @@ def splats_of_same_angle(angles, total, wanted):
     return None
 
 
-def print_limits(stipple, name, file, counts):
-    points = read_splats(stipple, file)
+def print_limits(name, file, counts):
+    points = read_splats(file)
     asked = [n for n in (round(len(points) / c) for c in counts) if 5 <= n <= FURTHEST]
     sizes = sorted({*asked, 4, 5, 6, 8, 11, 16, 22, 32, 44, 64, 88, 128, 176})
     angles = measure(points, sizes)
@@ -127,3 +133,14 @@ def print_limits(stipple, name, file, counts):
         equal = splats_of_same_angle(angles, len(points), linear)
         cell = f"{equal:.0f} ({equal / splats:.1f} x)" if equal else f"above {len(points) / 4:.0f}"
         print(f"| {splats:.0f} | {n} | {angles[n][0]:.2f} | {linear:.2f} | {cell} |", flush=True)
+
+
+def main():
+    parser = Arguments(__doc__)
+    parser.add_argument("files", nargs="+", type=existing, metavar="FILE")
+    for file in parser.parse_args().files:
+        print_limits(os.path.basename(file), file, COUNTS)
+
+
+if __name__ == "__main__":
+    main()

@@ -19,7 +19,6 @@
 Clouds are binary little-endian PLY whose vertices are x y z nx ny nz radius, floats. DENSE has its
 points drawn evenly over a surface; a cloud out of it has every n-th, their discs that much wider.
 """
-import argparse
 import json
 import math
 import os
@@ -30,6 +29,7 @@ import sys
 import tempfile
 
 import bench
+from command_line import Arguments, stipple
 
 SIZES = [512, 1024]
 COUNTS = [25000, 173000, 544000, 3600000, 5000000]
@@ -61,7 +61,7 @@ def run(model, view, size, method, *more):
     """The statistics of warm frames."""
     with tempfile.TemporaryDirectory() as folder:
         stats = os.path.join(folder, "s.json")
-        bench.stipple("render", model, "--camera", view, "--size", f"{size}x{size}", "--cull",
+        stipple("render", model, "--camera", view, "--size", f"{size}x{size}", "--cull",
                       "back", "--min-splat", "0", "-q", "--method", *method, "--stats", stats,
                       *more)
         with open(stats, encoding="utf-8") as file:
@@ -193,11 +193,11 @@ def holes(models, folder):
     view, truth, out = (os.path.join(folder, n) for n in ["view.json", "t.exr", "o.exr"])
     for path in models:
         model = os.path.join(folder, "prepared.ply")
-        bench.stipple("prepare", path, "-o", model, "-q")
+        stipple("prepare", path, "-o", model, "-q")
         bench.camera(model, view)
         for method, picture in ["reference", truth], ["pyramid", out]:
             bench.render(model, view, [method], "-o", picture, "--compression", "none")
-        error = json.loads(bench.stipple("compare", "--json", out, truth))
+        error = json.loads(stipple("compare", "--json", out, truth))
         ours, theirs = (planes(picture, ["Z"])["Z"] for picture in [out, truth])
         covered = missing = 0
         for a, b in zip(ours, theirs):
@@ -297,7 +297,7 @@ def samples(model, folder):
     for count in [1, 4, 16]:
         stats = run(model, view, bench.SIZE, ["pyramid"], "--samples", str(count), "--repeat", "3",
                     *plain, out)
-        error = json.loads(bench.stipple("compare", "--json", out, truth))["covered"]
+        error = json.loads(stipple("compare", "--json", out, truth))["covered"]
         coverage, pixels = outline_error(planes(out, ["A"])["A"], wanted)
         row(count, f"{stats['frame_ms']['median']:.1f}", f"{error['psnr']:.1f}",
             f"{error['mean_absolute']:.2e}", pixels, f"{coverage:.3f}")
@@ -336,10 +336,19 @@ def stream(count, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(usage=__doc__)
+    parser = Arguments(__doc__)
     parser.add_argument("table", choices=["time", "crossing", "holes", "normals", "samples", "stream"])
     parser.add_argument("arguments", nargs="*")
     given = parser.parse_args()
+    wanted = {"holes": "FILE...", "normals": "", "stream": "N FOLDER"}.get(given.table, "FILE.ply")
+    few, many = len(wanted.split()), math.inf if given.table == "holes" else len(wanted.split())
+    if not few <= len(given.arguments) <= many:
+        parser.error(f"{given.table} takes {wanted or 'nothing more'}")
+    if given.table == "stream" and not given.arguments[0].isdecimal():
+        parser.error(f"stream takes a number of points, not {given.arguments[0]}")
+    for path in given.arguments[given.table == "stream":]:
+        if not os.path.exists(path):
+            parser.error(f"{path}: no such file")
     with tempfile.TemporaryDirectory() as folder:
         if given.table == "time":
             time_table(given.arguments[0], folder)

@@ -11,17 +11,15 @@ covers (alpha of a half or more); needs oiiotool. docs/results/range.md was made
 pictures: in their place range_discs.jpg and range_ellipsoids.jpg into the folder OUT, all frames from a
 view that none has: half way from the second to the third, a quarter of a metre to the right.
 """
-import argparse
 import array
 import json
 import math
 import os
 import struct
-import subprocess
 import tempfile
 
-ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
-STIPPLE = os.path.join(ROOT, "build", "tools", "stipple")
+from command_line import Arguments, existing, run, stipple
+
 LINEAR = [v / 255 / 12.92 if v <= 10 else ((v / 255 + 0.055) / 1.055) ** 2.4 for v in range(256)]
 FULL = [("discs", ["--range-splats", "discs"]),
         ("ellipsoids, exact depths", ["--uncertainty", "0"]),
@@ -34,7 +32,7 @@ ALOE = {"fx": 3740.0, "baseline": 0.160, "offset": 270.0,
 
 
 def oiiotool(*arguments):
-    subprocess.run(["oiiotool", *arguments], check=True, capture_output=True)
+    run("oiiotool", *arguments)
 
 
 def read_exr(path):
@@ -153,8 +151,7 @@ def write(path, value):
 
 def render(scene, view, out, more, merge):
     method = ["--method", "exact"] if "discs" in more else ["--axis-merge", merge]
-    subprocess.run([STIPPLE, "render", scene, "--camera", view, "-o", out, "-q", "--compression",
-                    "none", *method, *more], check=True)
+    stipple("render", scene, "--camera", view, "-o", out, "-q", "--compression", "none", *method, *more)
     return out
 
 
@@ -245,12 +242,14 @@ def pictures(source, merge, folder, out):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
-    parser.add_argument("--kinect", help="a folder of range images")
-    parser.add_argument("--aloe", help="a folder of aloeL.jpg, aloeR.jpg and aloeGT.png")
+    parser = Arguments(__doc__)
+    parser.add_argument("--kinect", type=existing, help="a folder of range images")
+    parser.add_argument("--aloe", type=existing, help="a folder of aloeL.jpg, aloeR.jpg and aloeGT.png")
     parser.add_argument("--pictures", metavar="OUT", help="a folder for pictures of the room")
     parser.add_argument("--merge", default="blend", choices=["blend", "clip", "single", "sort"])
     arguments = parser.parse_args()
+    if not arguments.kinect and not arguments.aloe:
+        parser.error("--kinect or --aloe says what to draw")
     if arguments.pictures and not arguments.kinect:
         parser.error("--pictures: of the frames that --kinect names")
     with tempfile.TemporaryDirectory() as folder:

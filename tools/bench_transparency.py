@@ -12,7 +12,6 @@
   tools/bench_transparency.py seam [N]           a slope of N discs (60,000), one layer over many
                                                  slabs: by how much each way is too opaque, and ms
 """
-import argparse
 import array
 import json
 import math
@@ -22,6 +21,7 @@ import struct
 import tempfile
 
 import bench
+from command_line import Arguments, stipple
 
 TARGET, GROUPS = 0.98, 4
 
@@ -61,7 +61,7 @@ def least_density(share):
 def statistics_of(model, *more):
     with tempfile.TemporaryDirectory() as folder:
         stats = os.path.join(folder, "s.json")
-        bench.stipple("render", model, "-q", "--opacity", "0.5", "--stats", stats, *more)
+        stipple("render", model, "-q", "--opacity", "0.5", "--stats", stats, *more)
         with open(stats, encoding="utf-8") as file:
             return json.load(file)
 
@@ -215,11 +215,19 @@ def seam(folder, count, size=1024):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Arguments(__doc__)
     parser.add_argument("what", choices=["cover", "order", "layers", "seam"])
     parser.add_argument("arguments", nargs="*")
     options = parser.parse_args()
+    if options.what == "layers":
+        if not options.arguments:
+            parser.error("layers takes FILE.ply...")
+        for path in options.arguments:
+            if not os.path.exists(path):
+                parser.error(f"{path}: no such file")
+    elif options.arguments and (options.what == "cover" or len(options.arguments) > 1
+                                or not options.arguments[0].isdecimal()):
+        parser.error(f"{options.what} takes {'nothing more' if options.what == 'cover' else 'one number'}")
     with tempfile.TemporaryDirectory() as folder:
         if options.what == "cover":
             cover(folder)

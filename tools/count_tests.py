@@ -1,10 +1,13 @@
 #!/usr/bin/env python3
 """Adds up meson's testlog.json files: only OK and an expected failure pass. A skip, a timeout and
 a log that is missing are failures, so that nothing goes by in silence.
-usage: count_tests.py LOG...    ends with "N passed, N failed"; exit status 1 when any failed
+
+  tools/count_tests.py LOG...    ends with "N passed, N failed"; exit status 1 when any failed
 """
 import json
 import sys
+
+from command_line import Arguments
 
 
 def results(path):
@@ -17,14 +20,16 @@ def results(path):
     return [(test["name"], test["result"]) for test in lines] or [(path, "EMPTY LOG")]
 
 
-def main(paths):
-    tests = [test for path in paths for test in results(path)]
+def main():
+    parser = Arguments(__doc__)
+    parser.add_argument("logs", nargs="+", metavar="LOG")
+    tests = [test for path in parser.parse_args().logs for test in results(path)]
     failed = [test for test in tests if test[1] not in ("OK", "EXPECTEDFAIL")]
     for name, result in failed:
         print(f"{result}: {name}")
     print(f"{len(tests) - len(failed)} passed, {len(failed)} failed")
-    return 1 if failed or not paths else 0
+    return 1 if failed else 0
 
 
 if __name__ == "__main__":
-    sys.exit(main(sys.argv[1:]))
+    sys.exit(main())

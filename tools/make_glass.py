@@ -17,13 +17,13 @@
 Deterministic, standard library only. The sky is a Radiance picture: a chequered ground, a sky that
 pales towards the horizon, and a sun of 400.
 """
-import argparse
 import json
 import math
 import os
 import struct
 
 import make_model
+from command_line import Arguments, existing
 
 WIDTH, HEIGHT = 512, 256
 SUN = make_model.unit((0.45, 0.75, 0.5))
@@ -139,12 +139,11 @@ def place(text):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Arguments(__doc__)
     parser.add_argument("folder", metavar="FOLDER")
-    parser.add_argument("--model", metavar="FILE.ply")
+    parser.add_argument("--model", type=existing, metavar="FILE.ply")
     parser.add_argument("--ball", action="append", default=[], type=place, metavar="X,Y,Z,R")
-    parser.add_argument("--environment", metavar="FILE")
+    parser.add_argument("--environment", type=existing, metavar="FILE")
     options = parser.parse_args()
     if (options.ball or options.environment) and not options.model:
         parser.error("--ball and --environment are for a --model")

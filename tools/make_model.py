@@ -2,12 +2,14 @@
 """Makes assets/knot.ply: a scaled trefoil knot round a pearl, as coloured points with normals.
 
 Deterministic, standard library only. The points carry no radius: finding it is the renderer's work.
-usage: tools/make_model.py [OUT.ply]
+
+  tools/make_model.py [OUT.ply]
 """
 import math
 import os
 import struct
-import sys
+
+from command_line import Arguments
 
 RING, MINOR, TUBE = 2.2, 1.0, 0.52  # of the knot, and the tube's radius without relief
 SPACING = 0.0405                    # between neighbours, in scene units
@@ -153,13 +155,10 @@ end_header
 
 def main():
     here = os.path.dirname(os.path.abspath(__file__))
-    if sys.argv[1:] in (["-h"], ["--help"]):
-        print(__doc__.strip())
-        return
-    if len(sys.argv) > 2 or sys.argv[1:2] and sys.argv[1].startswith("-"):
-        print("usage: tools/make_model.py [OUT.ply]", file=sys.stderr)
-        sys.exit(2)
-    path = sys.argv[1] if len(sys.argv) > 1 else os.path.join(here, "..", "assets", "knot.ply")
+    parser = Arguments(__doc__)
+    parser.add_argument("out", nargs="?", metavar="OUT.ply",
+                        default=os.path.join(here, "..", "assets", "knot.ply"))
+    path = parser.parse_args().out
     points = [*knot_points(), *pearl_points()]
     with open(path, "wb") as out:
         out.write((HEADER % len(points)).encode("ascii"))

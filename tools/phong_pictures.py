@@ -9,13 +9,12 @@ normal), blended (constant normals, shaded, then blended), and with linear norma
 solid of tools/bench_phong_edges.py, its splats at 1 : 1, the corner that the frame is about at
 20 : 1, the same without their clip lines, and the points.
 """
-import argparse
 import os
-import subprocess
 import tempfile
 
 import bench_phong
 import bench_phong_edges
+import command_line
 
 CORNER = (2, 1, 1.4)  # where a reflex edge ends: of the solid
 ZOOM = 20
@@ -26,8 +25,7 @@ def run(*arguments):
 
 
 def side_by_side(pictures, out):
-    subprocess.run(["oiiotool", *pictures, "--mosaic:pad=4", f"{len(pictures)}x1", "-o", out],
-                   check=True)
+    command_line.run("oiiotool", *pictures, "--mosaic:pad=4", f"{len(pictures)}x1", "-o", out)
 
 
 def fields(options, folder):
@@ -69,12 +67,11 @@ def edges(options, folder):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = command_line.Arguments(__doc__)
     parser.add_argument("what", choices=["fields", "edges"])
     parser.add_argument("out")
-    parser.add_argument("--splats", type=int, default=500)
-    parser.add_argument("--size", type=int, default=400)
+    parser.add_argument("--splats", type=command_line.positive, default=500)
+    parser.add_argument("--size", type=command_line.positive, default=400)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         {"fields": fields, "edges": edges}[options.what](options, folder)

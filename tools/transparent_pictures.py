@@ -11,22 +11,20 @@ want oiiotool.
   tools/transparent_pictures.py glass OUT [--size PIXELS]
       Figs. 1 c, d and 14: the knot of glass, single-layer and multi-layer
 """
-import argparse
 import os
-import subprocess
 import sys
 import tempfile
 
-import bench
+from command_line import Arguments, ROOT, positive, run, stipple
 
-KNOT = os.path.join(bench.ROOT, "assets", "knot.ply")
+KNOT = os.path.join(ROOT, "assets", "knot.ply")
 LOOK = ["--opacity", "0.4", "--background", "1,1,1,1", "--view", "30,25"]
 WAYS = [["peel", "--peel-layers", "16"], ["nearest"], ["fast"]]
 
 
 def render(size, out, way):
     """An EXR, and a PNG beside it."""
-    bench.stipple("render", KNOT, "-q", "--size", f"{size}x{size}", "-o", out + ".exr", "--preview",
+    stipple("render", KNOT, "-q", "--size", f"{size}x{size}", "-o", out + ".exr", "--preview",
                   out + ".png", *LOOK, "--transparency", *way)
 
 
@@ -36,26 +34,24 @@ def ways(folder, size, out):
     render(size, truth, ["reference"])
     for name, way in zip(names, WAYS):
         render(size, name, way)
-        subprocess.run(["oiiotool", name + ".exr", "--ch", "R,G,B", truth + ".exr", "--ch", "R,G,B",
-                        "--absdiff", "--mulc", "4", "-d", "uint8", "-o", name + "-off.png"],
-                       check=True)
+        run("oiiotool", name + ".exr", "--ch", "R,G,B", truth + ".exr", "--ch", "R,G,B", "--absdiff", "--mulc",
+            "4", "-d", "uint8", "-o", name + "-off.png")
     mosaic([n + ".png" for n in names] + [n + "-off.png" for n in names], len(WAYS), out)
 
 
 def mosaic(pictures, columns, out):
     rows = len(pictures) // columns
-    subprocess.run(["oiiotool", *pictures, "--mosaic:pad=4", f"{columns}x{rows}", "--ch", "R,G,B", "-o",
-                    out], check=True)
+    run("oiiotool", *pictures, "--mosaic:pad=4", f"{columns}x{rows}", "--ch", "R,G,B", "-o", out)
 
 
 def scenes(folder):
-    maker = os.path.join(bench.ROOT, "tools", "make_glass.py")
-    subprocess.run([sys.executable, maker, folder, "--model", KNOT], check=True)
+    maker = os.path.join(ROOT, "tools", "make_glass.py")
+    run(sys.executable, maker, folder, "--model", KNOT)
 
 
 def rendered(folder, scene, name, size, *more):
     picture = os.path.join(folder, name + ".png")
-    bench.stipple("render", os.path.join(folder, scene), "-q", "--size", f"{size}x{size}", "--preview",
+    stipple("render", os.path.join(folder, scene), "-q", "--size", f"{size}x{size}", "--preview",
                   picture, *more)
     return picture
 
@@ -75,11 +71,10 @@ def glass(folder, size, out):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__,
-                                     formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Arguments(__doc__)
     parser.add_argument("what", choices=["ways", "beads", "glass"])
     parser.add_argument("out")
-    parser.add_argument("--size", type=int, default=300)
+    parser.add_argument("--size", type=positive, default=300)
     options = parser.parse_args()
     with tempfile.TemporaryDirectory() as folder:
         {"ways": ways, "beads": beads, "glass": glass}[options.what](folder, options.size, options.out)

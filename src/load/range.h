@@ -39,8 +39,6 @@ enum stp_result range_allocate(const struct stp_env *env, const char *path, uint
                                uint64_t height, unsigned channels, struct range_image *image);
 enum stp_result range_read_png(const struct stp_env *env, const char *path,
                                const struct file_bytes *bytes, struct range_image *image);
-enum stp_result range_read_pnm(const struct stp_env *env, const char *path,
-                               const struct file_bytes *bytes, struct range_image *image);
 enum stp_result range_read_exr(const struct stp_env *env, const char *path,
                                const struct file_bytes *bytes, enum range_plane plane,
                                struct range_image *image);

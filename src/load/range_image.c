@@ -47,8 +47,8 @@ static void take_samples(const struct pnm *file, size_t count, float *value)
             value[i] = (float)(from[2 * i] << 8 | from[2 * i + 1]);
 }
 
-enum stp_result range_read_pnm(const struct stp_env *env, const char *path,
-                               const struct file_bytes *bytes, struct range_image *image)
+static enum stp_result read_pnm(const struct stp_env *env, const char *path,
+                                const struct file_bytes *bytes, struct range_image *image)
 {
     struct pnm file = { .data = bytes->data, .size = bytes->size, .at = 2 };
     struct range_image read = { 0 };
@@ -91,7 +91,7 @@ enum stp_result range_image_from_bytes(const struct stp_env *env, const char *pa
     else if (starts(bytes, "\x76\x2f\x31\x01", 4))
         result = range_read_exr(env, path, bytes, plane, &read);
     else if (starts(bytes, "P5", 2) || starts(bytes, "P6", 2))
-        result = range_read_pnm(env, path, bytes, &read);
+        result = read_pnm(env, path, bytes, &read);
     else
         return log_error(env, STP_ERROR_FORMAT,
                          "%s: byte 0: not a picture that is read (PNG, binary PGM or PPM, EXR): "

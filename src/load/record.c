@@ -13,7 +13,7 @@ size_t record_type_size(enum record_type type)
     return sizes[type];
 }
 
-float little_float(const unsigned char *p)
+static float little_float(const unsigned char *p)
 {
     uint32_t bits = little32(p);
     float value;

@@ -36,7 +36,6 @@ static inline uint64_t little64(const unsigned char *p)
 {
     return little32(p) | (uint64_t)little32(p + 4) << 32;
 }
-float little_float(const unsigned char *p);
 double little_double(const unsigned char *p);
 
 #endif

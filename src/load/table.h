@@ -20,7 +20,6 @@ enum role {
     ROLE_BLUE,
     ROLE_OPACITY,
     ROLE_RADIUS,
-    ROLE_COUNT,
 };
 
 /* Where a column's value of row i goes: base + i * stride, a double when wide, else a float. */

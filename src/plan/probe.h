@@ -97,11 +97,6 @@ enum stp_result probe_group(const struct stp_env *env, const struct probe *probe
                             const struct stp_group_params *params, uint8_t **group,
                             struct stp_grouping *facts);
 
-/* Of a picture drawn by other means, over the pixels that it or the truth covers; color: one a
- * pixel. */
-enum stp_result probe_compare(const struct stp_env *env, const struct probe *probe,
-                              const struct probe_color *color, struct probe_error *error);
-
 /* probe_rounding.c: a pixel's fragments as if all roundings of float arithmetic were so many times
  * as large, by signs that hang on splat and pixel alone; returns how many are left. */
 size_t probe_perturb(const struct probe *probe, struct probe_fragment *fragment, size_t count);

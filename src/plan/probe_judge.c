@@ -197,8 +197,10 @@ enum stp_result probe_judge(const struct stp_env *env, const struct probe *probe
                 : log_no_memory(env, j.most * threads * sizeof *j.scratch, "judging a probe");
 }
 
-enum stp_result probe_compare(const struct stp_env *env, const struct probe *probe,
-                              const struct probe_color *color, struct probe_error *error)
+/* Of a picture drawn by other means, over the pixels that it or the truth covers; color: one a
+ * pixel. */
+static enum stp_result compare(const struct stp_env *env, const struct probe *probe,
+                               const struct probe_color *color, struct probe_error *error)
 {
     size_t cells = probe->cells ? probe->cells : 1;
     struct probe_tally *tally = mem_zalloc(cells, sizeof *tally);
@@ -220,7 +222,7 @@ static enum stp_result judge_drawn(const struct stp_env *env, const struct probe
         return log_no_memory(env, probe->pixels * sizeof *color, "drawing a probe");
     enum stp_result result = draw(env, probe, plan, color);
     if (result == STP_OK)
-        result = probe_compare(env, probe, color, error);
+        result = compare(env, probe, color, error);
     mem_free(color);
     return result;
 }

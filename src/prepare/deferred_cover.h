@@ -31,15 +31,6 @@ struct cover {
     uint64_t *member;               /* bit k: the splat is in group k */
 };
 
-/* The points of disc i that disc j, its radius times `factor`, covers, as bits. `points` are up to
- * 32 places in the unit disc. */
-struct cover_points {
-    unsigned count;
-    float x[COVER_POINTS], y[COVER_POINTS];
-};
-uint32_t cover_mask(const struct cover *cover, const struct cover_points *points, size_t i,
-                    size_t j, float factor);
-
 /* Fills mask and depth. */
 enum stp_result cover_masks_build(struct cover *cover);
 /* The mask of i's points under its neighbour number e; that of j's points under i. */

@@ -13,6 +13,11 @@
 #define GOLDEN_ANGLE  2.39996322972865332
 #define MEASURE_BLOCK 1024 /* splats whose sums are taken together, in order */
 
+struct cover_points {
+    unsigned count;
+    float x[COVER_POINTS], y[COVER_POINTS];
+};
+
 static struct cover_points sunflower(void)
 {
     struct cover_points points = { .count = COVER_POINTS };
@@ -82,8 +87,10 @@ static bool one_surface(const struct splats *s, size_t i, size_t j)
            (!s->opacity || (s->opacity[i] == 1) == (s->opacity[j] == 1));
 }
 
-uint32_t cover_mask(const struct cover *cover, const struct cover_points *points, size_t i,
-                    size_t j, float factor)
+/* The points of disc i that disc j, its radius times `factor`, covers, as bits. `points` are up to
+ * 32 places in the unit disc. */
+static uint32_t cover_mask(const struct cover *cover, const struct cover_points *points, size_t i,
+                           size_t j, float factor)
 {
     const struct splats *s = cover->splats;
     if (dot(s->normal[i], s->normal[j]) < 0 || !one_surface(s, i, j))

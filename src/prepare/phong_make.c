@@ -7,7 +7,8 @@
 #include "prepare/phong_outline.h"
 #include "scene/phong.h"
 
-void splat_frame(const float normal[3], const float u[3], struct patch_frame *frame)
+/* What of a splat is stored as floats, read back: everything else is computed from that. */
+static void splat_frame(const float normal[3], const float u[3], struct patch_frame *frame)
 {
     frame->n = v3_loadf(normal);
     frame->u = v3_loadf(u);

@@ -21,7 +21,4 @@ void splat_make(const struct splat_maker *m, size_t at);
 /* A disc of the sample's own radius and normal. */
 void splat_single(const struct splat_maker *m, uint32_t sample, const float n[3], size_t at);
 
-/* What of a splat is stored as floats, read back: everything else is computed from that. */
-void splat_frame(const float normal[3], const float u[3], struct patch_frame *frame);
-
 #endif

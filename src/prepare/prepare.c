@@ -103,8 +103,10 @@ static enum stp_result prepare(struct preparation *p, struct splats *splats, dou
     return STP_OK;
 }
 
-enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene,
-                              const struct stp_prepare_params *params)
+/* Fills scene->splats, scene->facts and scene->core from the objects' clouds, and releases the
+ * clouds, each as soon as it is copied: after a failure the scene is good for destroying only. */
+static enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene,
+                                     const struct stp_prepare_params *params)
 {
     struct preparation p = { .env = env, .scene = scene, .params = params, .facts = scene->facts };
     struct splats splats = { 0 };

@@ -5,11 +5,6 @@
 
 #include "scene/scene.h"
 
-/* Fills scene->splats, scene->facts and scene->core from the objects' clouds, and releases the
- * clouds, each as soon as it is copied: after a failure the scene is good for destroying only. */
-enum stp_result prepare_scene(const struct stp_env *env, struct stp_scene *scene,
-                              const struct stp_prepare_params *params);
-
 /* What follows from the rest of *facts: normals, sides, lights. estimated: normals that were. */
 void prepare_decide(const struct stp_scene *scene, const struct stp_prepare_params *params,
                     size_t estimated, struct stp_facts *facts);
@@ -94,13 +89,5 @@ bool splats_equal(const struct splats *splats, size_t i, size_t j);
 #define GROUP_MIN_OVERLAP 0.1
 enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,
                             const struct stp_group_params *params);
-
-/* Into scene->cover and facts.cover. Splats of opacity 0, and those that
- * equal their predecessor, are in no group. Where
- * more overlap than any K could make use of (128 a splat on average), those under 64 or more larger
- * ones count as crowded: they are dealt out in turn and not sampled, so that a million coincident
- * splats take no more time than others. */
-enum stp_result cover_scene(const struct stp_env *env, struct stp_scene *scene,
-                            const struct stp_cover_params *params);
 
 #endif

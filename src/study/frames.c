@@ -45,7 +45,9 @@ static struct study_frame *least_recent(struct study *study)
     return found;
 }
 
-enum stp_result study_frame_wake(struct study *study, struct study_frame *frame)
+/* Makes the frame's resources if they are not there, taking away those least recently used when the
+ * budget is spent. */
+static enum stp_result wake(struct study *study, struct study_frame *frame)
 {
     frame->used = ++study->turn;
     if (frame->alive)
@@ -96,7 +98,7 @@ static enum stp_result visit(struct study *study, unsigned index)
 {
     struct study_frame *frame = &study->frame[index];
     double unused;
-    enum stp_result result = study_frame_wake(study, frame);
+    enum stp_result result = wake(study, frame);
     if (result == STP_OK && frame->count == 0)
         result = measure(study, frame, &study->report.row[index]);
     if (result == STP_OK)
@@ -175,7 +177,7 @@ enum stp_result study_profile(struct study *study)
         if (!row->on_front && study->frame[i].config.method != STP_METHOD_TWO_PASS)
             continue;
         stats = (struct stp_render_stats){ 0 };
-        result = study_frame_wake(study, &study->frame[i]);
+        result = wake(study, &study->frame[i]);
         if (result == STP_OK)
             result = record_profile(&study->quiet, &study->frame[i].frame, study->scene,
                                     RECORD_PROFILED, &stats);

@@ -67,9 +67,6 @@ struct study {
     bool has_exact; /* one of the frames is of method exact: it takes any number of samples */
 };
 
-/* Makes the frame's resources if they are not there, taking away those least recently used when the
- * budget is spent. */
-enum stp_result study_frame_wake(struct study *study, struct study_frame *frame);
 void study_frame_sleep(struct study *study, struct study_frame *frame);
 /* Every frame in turns: the first visit also reads the picture and measures its error, and of each
  * visit the first frame is not timed. What is outclassed in the first round has that one only. */

@@ -2,7 +2,6 @@
 """prepare --fit: the file is read back here, and what it holds compared with the points; then it
 is rendered beside them. And prepared files in general: they give the picture of their source."""
 import json
-import math
 import re
 import struct
 

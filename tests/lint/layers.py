@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A stage includes only from itself and from stages before it; only gpu, passes and record name Vulkan."""
+"""A stage includes only from itself and from stages before it; only gpu, passes and record name Vulkan.
+Every shader is compiled, and every file that shaders include makes them anew when it changes."""
 import os
 import re
 
@@ -75,5 +76,15 @@ def check(path):
         yield from check_vulkan_names(path)
 
 
+def check_shader(path):
+    name = os.path.basename(path)
+    if path.startswith("glsl/lib/") or path.startswith("glsl/shared/"):
+        name = os.path.splitext(name)[0]
+    if f"'{name}'" not in tree.text("src/passes/meson.build"):
+        yield f"{path}: not named in src/passes/meson.build"
+
+
+SHADERS = tree.files(folders=["glsl"])
 PATHS = tree.files(".c", ".h", ".cpp", folders=["src", "tools", "include"])
-tree.finish(len(PATHS), [fault for path in PATHS for fault in check(path)])
+tree.finish(len(PATHS), [fault for path in PATHS for fault in check(path)]
+            + [fault for path in SHADERS for fault in check_shader(path)])
