@@ -22,7 +22,7 @@ uint take(uint entry, uvec2 p, uint pixel, inout Held held[BINNED_ROWS])
     uint at = frame.splat_count + 2 * (entry - 1);
     Splat s;
     Footprint f;
-    uint id = record_load(frame.bins.v[at], s, f), encoded = splat_encode(s);
+    uint id = record_load(frame.bins.v[at], s, f), encoded = splat_encode(id, s);
     [[unroll]] for (uint i = 0; i < ROWS; i++) {
         Fragment fragment;
         uvec2 here = p + uvec2(0, i), whole = here + uvec2(frame.tile_x, frame.tile_y);

@@ -62,7 +62,7 @@ layout(constant_id = PLAN_BACKGROUND) const bool BACKGROUND = false;
 layout(constant_id = PLAN_AOVS) const uint AOVS = 0; // bit 0 albedo and weight, 1 id and fragments, 2 layers
 layout(constant_id = PLAN_SQUARINGS) const uint SQUARINGS = 5; // shininess = 2^SQUARINGS; 32: any
 layout(constant_id = PLAN_REPAIR) const bool REPAIR = false; // two-pass code on overflowed pixels only
-layout(constant_id = PLAN_KEY_IDS) const bool KEY_IDS = false; // exact: ids beside packed slots
+layout(constant_id = PLAN_KEY_IDS) const bool KEY_IDS = false; // exact: packed slots have ids, lib/terms.glsl
 // PLAN_ATOMIC64, PLAN_LAYERED and PLAN_FLOAT64 choose modules, not code; PLAN_LANES is the size of a
 // workgroup of the pyramid's passes.
 layout(constant_id = PLAN_SAMPLE_GRID) const uint SAMPLE_GRID = 1; // the picture is the mean of SAMPLES
@@ -86,6 +86,7 @@ layout(constant_id = PLAN_CULL_CLUSTERS) const bool CULL_CLUSTERS = false; // py
 layout(constant_id = PLAN_RIM_FAR) const bool RIM_FAR = false; // discs reach beyond the pixels beside their own
 layout(constant_id = PLAN_CUTS) const bool CUTS = true; // near or far may cut a splat
 layout(constant_id = PLAN_BINS) const bool BINS = false; // large splats are drawn block by block
+layout(constant_id = PLAN_COLOR_CODES) const bool COLOR_CODES = false; // exact: colours are summed as codes
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

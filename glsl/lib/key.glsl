@@ -1,5 +1,5 @@
 // 64-bit keys of fragments (docs/deferred.md, "Keys"). Smaller wins; equal keys are equal fragments.
-//   packed, depth order:  depth 24 | rho^2 12 | normal 28
+//   packed, depth order:  depth 24 | rho^2 12 | normal 28, or id: TRAITS of lib/terms.glsl
 //   packed, slabs:        slab 24-m | rho^2 12 | rest m | normal 28      depth = slab 2^m + rest, 8 <= m <= 16
 //   id, depth order:      float depth 32 | id 32
 //   id, slabs:            slab 18 | rho 14 | id 32
@@ -95,7 +95,7 @@ float key_rho2(uvec2 key)
 
 vec3 key_normal(uvec2 key)
 {
-    return normal_decode(key.x & 0xfffffff);
+    return normal_decode(key.x & STP_NORMAL_MASK);
 }
 
 uint64_t key_id(Fragment f, uint id)

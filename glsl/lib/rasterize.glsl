@@ -76,7 +76,7 @@ void main()
     if (BINS && !clipped)
         box = whole_blocks(box);
     uint width = uint(box.z - box.x + 1), count = width * uint(box.w - box.y + 1);
-    uint encoded = splat_encode(s);
+    uint encoded = splat_encode(id, s);
 #ifdef FIRST_PASS
     if (count > 0)
         touch_blocks(box);
@@ -123,7 +123,7 @@ void main()
     if (count > 0)
         touch_blocks(box);
 #endif
-    uint encoded = splat_encode(s);
+    uint encoded = splat_encode(id, s);
     int x = box.x, y = box.y;
     for (int i = 0; i < count; i++) {
         visit(id, s, f, false, encoded, uvec2(x, y));

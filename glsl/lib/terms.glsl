@@ -20,11 +20,26 @@ const float ALPHA_UNIT = 1099511627776.0, PART = float(1 << STP_PART_BITS);
 // Of a slot's id word: the splat is opaque, where not all are.
 const uint SLOT_OPAQUE = 0x80000000u;
 
+// The product of a colour of 12 bits and of a weight has 36: by halves of the weight's 24, 64 of them stay
+// below 2^31.
+const int HALF_BITS = 12;
+const int COLOR_PART_BITS = COLOR_CODES ? HALF_BITS : STP_PART_BITS;
+
 const float NEVER = 1.0 / 0.0;
+
+// Of a splat without a normal field the key holds the id, and the splat's traits the normal: one word less
+// to write and to read a fragment.
+const bool TRAITS = KEY_IDS && PHONG == 0;
+const uint TRAITS_OPAQUE = STP_TRAITS_IDS; // above the id
+const bool SLOT_IDS = KEY_IDS && !TRAITS;
+
+struct Traits {
+    uint normal, color; // packed: traits_make
+};
 
 struct Slot {
     uvec2 key;
-    uint id; // with SLOT_OPAQUE; KEY_IDS only
+    uint id; // with SLOT_OPAQUE; SLOT_IDS only
 };
 
 // The nearest fragment has the least rank: equal depths go to the lower id where there are ids.
@@ -36,10 +51,10 @@ struct Rank {
 // What a fragment adds to sums: the same for every layer that might take it.
 struct Term {
     Rank rank;
-    uint encoded; // the normal, in 28 bits
+    Traits traits;
     int weight;   // in UNITs, as the rest, which is multiplied with it
     ivec3 normal;
-    ivec4 high, low; // colour in units of color_scale, opacity in ALPHA_UNITs; high: PARTs of them
+    ivec4 high, low; // without COLOR_CODES colour in units of color_scale; opacity in ALPHA_UNITs; high: PARTs of them
 };
 
 struct Sums {
@@ -52,26 +67,63 @@ struct Sums {
 
 const Slot SLOT_NONE = Slot(uvec2(~0u), ~0u);
 const Rank RANK_NONE = Rank(NEVER, ~0u);
-const Term TERM_NONE = Term(RANK_NONE, 0, 0, ivec3(0), ivec4(0), ivec4(0));
+const Traits TRAITS_NONE = Traits(0, 0);
+const Term TERM_NONE = Term(RANK_NONE, TRAITS_NONE, 0, ivec3(0), ivec4(0), ivec4(0));
 const Sums SUMS_NONE = Sums(SUM(0), SUM(0), SUM3(0), SUM4(0), SUM4(0), 0, 0);
 
+// The normal in 28 bits, and with COLOR_CODES three of 12 for a colour of 0 to 1: 4 above the normal, 32 after.
+Traits traits_make(uint id, Splat s)
+{
+    Traits t = Traits(normal_encode(s.normal), 0);
+    if (COLOR_CODES) {
+        precise vec3 steps = frame.colors.v[id] * float(STP_COLOR_STEPS) + 0.5;
+        uvec3 c = uvec3(steps);
+        t.normal |= c.r << 28;
+        t.color = c.r >> 4 << 24 | c.g << 12 | c.b;
+    }
+    return t;
+}
+
+ivec3 traits_color(Traits t)
+{
+    return ivec3(t.normal >> 28 | t.color >> 24 << 4, t.color >> 12 & 4095, t.color & 4095);
+}
+
+#ifndef FETCHED
+Traits traits_read(uint id)
+{
+    uvec2 words = unpackUint2x32(frame.traits.v[id]);
+    return Traits(words.x, words.y);
+}
+#endif
+
+void traits_write(uint id, Traits traits)
+{
+    frame.traits.v[id] = packUint2x32(uvec2(traits.normal, traits.color));
+}
+
+// What all fragments of a splat share of a slot.
 uint slot_encode(Splat s)
 {
-    return PACKED && PHONG == 0 ? normal_encode(s.normal) : 0;
+    return PACKED && PHONG == 0 && !TRAITS ? normal_encode(s.normal) : 0;
 }
 
 // encoded: slot_encode of the splat.
 Slot slot_make(uint id, Splat s, Fragment f, uint encoded)
 {
-    uint word = MIXED ? id | (s.tag & STP_TAG_OPAQUE) << 24 : id; // STP_TAG_OPAQUE to SLOT_OPAQUE
-    uvec2 key = PACKED ? key_words(f, fragment_encode(s, f, encoded)) : unpackUint2x32(key_id(f, word));
-    return Slot(key, word);
+    uint opaque = MIXED ? s.tag & STP_TAG_OPAQUE : 0;
+    uint word = id | opaque * (SLOT_OPAQUE / STP_TAG_OPAQUE);
+    uint low = TRAITS ? id | opaque * (TRAITS_OPAQUE / STP_TAG_OPAQUE) : PACKED ? fragment_encode(s, f, encoded) : 0;
+    return Slot(PACKED ? key_words(f, low) : unpackUint2x32(key_id(f, word)), word);
 }
 
-// The word that holds the id, and whether the splat is opaque.
+// The word that holds the id, and whether the splat is opaque; the key's lower one where there are no ids.
 uint slot_word(Slot slot)
 {
-    return KEY_IDS ? slot.id : slot.key.x;
+    uint low = slot.key.x;
+    if (TRAITS)
+        return MIXED ? (low & TRAITS_OPAQUE - 1) | (low & TRAITS_OPAQUE) * (SLOT_OPAQUE / TRAITS_OPAQUE) : low & 2 * TRAITS_OPAQUE - 1;
+    return SLOT_IDS ? slot.id : low;
 }
 
 uint rank_id(Rank rank)
@@ -100,18 +152,18 @@ void rank_min(inout Rank least, Rank rank)
     least = Rank(depth, min(low, other));
 }
 
-// The normal n, which is packed as `encoded`.
-Term term_make(Rank rank, bool present, float rho2, vec3 n, uint encoded)
+// The normal n, which the traits hold packed.
+Term term_make(Rank rank, bool present, float rho2, vec3 n, Traits traits)
 {
     Term t;
     uint known = present ? rank_id(rank) : 0;
     float w = kernel_weight(rho2);
     t.rank = rank;
-    t.encoded = encoded;
+    t.traits = traits;
     t.weight = int(round(w * UNIT));
     t.normal = ivec3(round(n * (w * UNIT)));
     vec4 fine = vec4(0);
-    if (HAS_COLOR)
+    if (HAS_COLOR && !COLOR_CODES)
         fine.rgb = frame.colors.v[known] * (w * frame.color_scale);
     if (OPACITY == 2)
         fine.a = splat_opacity(known) * (w * ALPHA_UNIT);
@@ -127,10 +179,15 @@ void sums_take(inout Sums s, bool counts, Term t, Rank near, float part)
 {
     int depth = int(round((t.rank.depth - near.depth) * part * float(t.weight)));
     int kept = counts ? -1 : 0; // selections would become branches
-    s.weight += t.weight & kept;
+    int weight = t.weight & kept;
+    s.weight += SUM(weight);
     s.normal += t.normal & ivec3(kept);
     s.depth += depth & kept;
-    if (HAS_COLOR) {
+    if (COLOR_CODES) {
+        ivec3 color = traits_color(t.traits);
+        s.high.rgb += SUM3(color * (weight >> HALF_BITS));
+        s.low.rgb += SUM3(color * (weight & (1 << HALF_BITS) - 1));
+    } else if (HAS_COLOR) {
         s.high.rgb += t.high.rgb & ivec3(kept);
         s.low.rgb += t.low.rgb & ivec3(kept);
     }
@@ -140,8 +197,8 @@ void sums_take(inout Sums s, bool counts, Term t, Rank near, float part)
     }
     if ((AOVS & 2) != 0)
         s.fragments -= kept;
-    if (KEY_IDS || !PACKED) // a slot that holds nothing may show an older frame's id
-        s.near_encoded = counts && t.rank.low == near.low ? t.encoded : s.near_encoded;
+    if (SLOT_IDS || !PACKED) // a slot that holds nothing may show an older frame's id
+        s.near_encoded = counts && t.rank.low == near.low ? t.traits.normal : s.near_encoded;
 }
 
 // Of the layer that starts there, in the units of depths.

@@ -8,7 +8,7 @@
 #include "lib/key.glsl"
 #define FIRST_PASS
 
-uint splat_encode(Splat s)
+uint splat_encode(uint id, Splat s)
 {
     return PACKED && PHONG == 0 ? normal_encode(s.normal) : 0;
 }

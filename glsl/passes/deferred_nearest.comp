@@ -6,7 +6,7 @@
 #include "lib/pixel.glsl"
 #define FIRST_PASS
 
-uint splat_encode(Splat s)
+uint splat_encode(uint id, Splat s)
 {
     return 0;
 }

@@ -14,8 +14,22 @@
 #define FIRST_PASS
 #endif
 
-uint splat_encode(Splat s)
+// Of the threads that draw a splat, one.
+bool speaks_for_splat()
 {
+#ifdef LARGE
+    return gl_LocalInvocationIndex == 0;
+#else
+    return true;
+#endif
+}
+
+uint splat_encode(uint id, Splat s)
+{
+#ifdef FIRST_PASS
+    if (TRAITS && speaks_for_splat())
+        traits_write(id, traits_make(id, s));
+#endif
     return slot_encode(s);
 }
 
@@ -46,7 +60,7 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
         return;
     Slot slot = slot_make(id, s, f, encoded);
     frame.keys.v[at] = packUint2x32(slot.key);
-    if (KEY_IDS)
+    if (SLOT_IDS)
         frame.key_ids.v[at] = slot.id;
 }
 

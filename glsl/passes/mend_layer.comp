@@ -84,6 +84,7 @@ Sums sums_restore(uint pixel)
     s.weight = sum(pixel, 0);
     s.depth = sum(pixel, 1);
     s.normal = i64vec3(sum(pixel, 2), sum(pixel, 3), sum(pixel, 4));
+    // All of it in the lower part.
     s.low = i64vec4(sum(pixel, 5), sum(pixel, 6), sum(pixel, 7), sum(pixel, 8));
     s.fragments = uint(sum(pixel, 9));
     s.near_encoded = uint(word(pixel, MEND_NEAR));

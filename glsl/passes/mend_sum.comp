@@ -11,7 +11,7 @@
 #include "lib/terms.glsl"
 #include "lib/mend.glsl"
 
-uint splat_encode(Splat s)
+uint splat_encode(uint id, Splat s)
 {
     return slot_encode(s);
 }
@@ -36,11 +36,13 @@ void add(uint pixel, uint word, int64_t value)
 void sum(uint pixel, Slot slot, Splat s, Fragment f, Rank near, float epsilon)
 {
     float rho2 = PACKED ? key_rho2(slot.key) : f.rho2;
-    vec3 n = PACKED ? key_normal(slot.key) : fragment_normal(s, f);
+    Rank rank = slot_rank(slot, true);
+    Traits traits = TRAITS ? traits_read(rank_id(rank)) : Traits(slot.key.x & STP_NORMAL_MASK, 0);
+    vec3 n = PACKED ? normal_decode(traits.normal & STP_NORMAL_MASK) : fragment_normal(s, f);
+    uint packed = PACKED ? traits.normal & STP_NORMAL_MASK : normal_encode(n);
     Sums one = SUMS_NONE;
-    uint packed = PACKED ? slot.key.x & 0xfffffff : normal_encode(n);
-    sums_take(one, true, term_make(slot_rank(slot, true), true, rho2, n, packed), near, 1 / epsilon);
-    if ((KEY_IDS || !PACKED) && slot_word(slot) == near.low)
+    sums_take(one, true, term_make(rank, true, rho2, n, traits), near, 1 / epsilon);
+    if ((SLOT_IDS || !PACKED) && slot_word(slot) == near.low)
         frame.keys.v[mend_at(pixel, MEND_NEAR)] = packed;
     add(pixel, 0, one.weight);
     add(pixel, 1, one.depth);
@@ -48,7 +50,7 @@ void sum(uint pixel, Slot slot, Splat s, Fragment f, Rank near, float epsilon)
         add(pixel, 2 + i, one.normal[i]);
     if (HAS_COLOR)
         for (uint i = 0; i < 3; i++)
-            add(pixel, 5 + i, (one.high[i] << STP_PART_BITS) + one.low[i]);
+            add(pixel, 5 + i, (one.high[i] << COLOR_PART_BITS) + one.low[i]);
     if (OPACITY == 2)
         add(pixel, 8, (one.high.a << STP_PART_BITS) + one.low.a);
     add(pixel, 9, 1);

@@ -17,7 +17,7 @@
 #endif
 // BINNED: a pixel is one thread's, and no atomics are needed.
 
-uint splat_encode(Splat s)
+uint splat_encode(uint id, Splat s)
 {
     return 0;
 }

@@ -13,7 +13,7 @@
 #include "lib/peel.glsl"
 #include "lib/light.glsl"
 
-uint splat_encode(Splat s)
+uint splat_encode(uint id, Splat s)
 {
     return 0;
 }

@@ -69,6 +69,9 @@
 #define STP_TAG_GROUP     63u
 #define STP_TAG_INVISIBLE 64u         /* opacity 0: it has no fragments */
 #define STP_TAG_OPAQUE    128u        /* opacity 1, in a scene that is transparent elsewhere */
+#define STP_TRAITS_IDS    134217728u  /* exact: ids that fit a packed key, and above them a bit */
+#define STP_NORMAL_MASK   0xfffffffu  /* of a packed key, and of a splat's traits */
+#define STP_COLOR_STEPS   4095        /* from 0 to 1, of a splat's traits */
 #define STP_NO_NORMAL     0x80008000u /* of a point: no octahedral normal is packed to this */
 #define STP_NO_POINT      0x7fffffffu /* key words of a pixel that no point fell into */
 #define STP_RIM_DEPTH     0x7f800001u /* then, of an open one: farther than all */
@@ -102,6 +105,7 @@
 #define STP_BINDING_PROJECTED  14
 #define STP_BINDING_ORDER      15
 #define STP_BINDING_CLUSTERS   16
+#define STP_BINDING_TRAITS      17
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
 #define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
 #define STP_DEEP_FLOATS        5
@@ -217,7 +221,8 @@ struct stp_frame_constants {
     STP_ADDRESS(UintRef, bins);      /* large splats that are not binned; then the entries of the
                                         blocks' lists: record, and the next entry + 1 */
     STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
-    STP_ADDRESS(UintRef, key_ids);   /* exact, packed, when ids are needed beside */
+    STP_ADDRESS(UintRef, key_ids);   /* exact, packed, with normal fields: ids beside */
+    STP_ADDRESS(Uint64Ref, traits);   /* exact, packed, of a splat: its normal, and its colour's code */
     STP_ADDRESS(UintRef, counts);    /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);   /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: lib/sums.glsl says how many a pixel */

@@ -222,6 +222,7 @@ struct stp_facts {
     float radius_min, radius_median, radius_max;
     size_t phong;      /* splats that are ellipses, have a normal field or clip lines */
     size_t clip_lines; /* of them, those with clip lines */
+    float color_min;   /* smallest colour component, and at most 0 */
     float color_max;   /* largest colour component; 0 without colours */
     unsigned objects, lights;
     bool positional_lights;

@@ -137,13 +137,20 @@ static enum stp_result choose_voronoi(const struct stp_env *env, struct stp_plan
     return STP_OK;
 }
 
+/* 32 bits hold colours of 0 to 1; a normal field needs the place where they are kept. */
+static bool codes_colors(const struct stp_facts *facts)
+{
+    return facts->has_color && facts->color_min >= 0 && facts->color_max <= 1 && !facts->phong;
+}
+
 /* Packed keys need a depth range that 24 bits hold, and, deferred, nothing that asks for ids. What
  * `fast` packs has its depth as a float beside it. */
 static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
 {
     bool wants_ids = plan->facts.has_color || plan->constant[PLAN_OPACITY] == 2 ||
                      plan->facts.objects > 1 || (plan->params.aovs & STP_AOV_ID) != 0;
-    bool fits = plan->frame.depth_bits >= LEAST_DEPTH_BITS;
+    bool fits = plan->frame.depth_bits >= LEAST_DEPTH_BITS &&
+                (!wants_ids || plan_splats(plan) <= STP_TRAITS_IDS);
     bool opaque = plan->transparency == STP_TRANSPARENCY_AUTO;
     bool packable = fits && plan->voronoi != STP_VORONOI_EXACT &&
                     (plan->method == STP_METHOD_EXACT ||
@@ -154,7 +161,9 @@ static void choose_payload(struct stp_plan *plan, double range_over_epsilon)
     if (!packed && plan->voronoi == STP_VORONOI_SLAB && range_over_epsilon > STP_SLAB_MOST)
         plan->voronoi = STP_VORONOI_OFF;
     plan->constant[PLAN_PACKED] = packed;
-    plan->constant[PLAN_KEY_IDS] = packed && plan->method == STP_METHOD_EXACT && wants_ids;
+    bool slots = packed && plan->method == STP_METHOD_EXACT;
+    plan->constant[PLAN_KEY_IDS] = slots && wants_ids;
+    plan->constant[PLAN_COLOR_CODES] = slots && !opaque && codes_colors(&plan->facts);
 }
 
 static void explain_axis(struct stp_plan *plan, const char *asked)
@@ -186,7 +195,9 @@ static void explain_exact(struct stp_plan *plan, const char *asked)
                             ? "slots carry ids, since the depth range over epsilon exceeds packed "
                               "depth or ids were asked for"
                         : plan->constant[PLAN_KEY_IDS]
-                            ? "slots are packed, with ids beside for what they cannot hold"
+                            ? plan->constant[PLAN_PHONG]
+                                  ? "slots are packed, with ids beside for what they cannot hold"
+                                  : "slots are packed into 8 bytes, with ids in place of normals"
                             : "slots are packed into 8 bytes";
     snprintf(plan->why, sizeof plan->why,
              "%s is %s: it needs no groups, keeps every fragment of one geometry pass and matches "

@@ -90,7 +90,8 @@ static void mend_pixels(struct stp_plan *plan, const char *name, enum plan_shade
 /* Layers of the pixels whose fragments overflowed their slots, from lists. */
 static void lists(struct stp_plan *plan, bool fetched)
 {
-    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_SLOT_IDS, PLAN_COUNTS, PLAN_SLOTS };
+    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_SLOT_IDS, PLAN_TRAITS, PLAN_COUNTS,
+                                       PLAN_SLOTS };
     plan_splat(plan, "list slots", PLAN_SHADER_EXACT_LISTS, PLAN_SHADER_EXACT_LISTS_LARGE, true,
                touched);
     plan_resolve(plan, "list layers", PLAN_SHADER_EXACT_LIST_LAYERS + fetched, true, touched);
@@ -101,7 +102,7 @@ static void lists(struct stp_plan *plan, bool fetched)
 /* Layers of those that found no room for lists: a turn of the loop a layer. */
 static void mend(struct stp_plan *plan)
 {
-    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_COUNTS, PLAN_SLOTS };
+    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_TRAITS, PLAN_COUNTS, PLAN_SLOTS };
     one_group(plan, "arm mending", PLAN_SHADER_MEND_TURN);
     plan_splat(plan, "mend find", PLAN_SHADER_MEND_FIND, PLAN_SHADER_MEND_FIND_LARGE, true,
                touched);
@@ -123,13 +124,19 @@ void plan_exact(struct stp_plan *plan)
     uint8_t slots = plan_resource(plan, "slots", PLAN_KEYS, PLAN_TRANSIENT, most * 8);
     plan->resource[slots].format = fetched ? PLAN_TEXELS_RG32UI : PLAN_BUFFER;
     plan_resource(plan, "counts", PLAN_COUNTS, PLAN_TRANSIENT, pixels * 4);
-    if (plan->constant[PLAN_KEY_IDS]) {
+    if (plan->constant[PLAN_KEY_IDS] && plan->constant[PLAN_PHONG]) {
         slots = plan_resource(plan, "slot ids", PLAN_SLOT_IDS, PLAN_TRANSIENT, most * 4);
         plan->resource[slots].format = fetched ? PLAN_TEXELS_R32UI : PLAN_BUFFER;
     }
+    if (plan->constant[PLAN_KEY_IDS] && !plan->constant[PLAN_PHONG]) {
+        uint8_t traits =
+            plan_resource(plan, "traits", PLAN_TRAITS, PLAN_TRANSIENT, plan_splats(plan) * 8);
+        plan->resource[traits].format = fetched ? PLAN_TEXELS_RG32UI : PLAN_BUFFER;
+    }
     plan_fill(plan, PLAN_COUNTS, 0, "clear counts");
     plan_deep_begin(plan);
-    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_SLOT_IDS, PLAN_COUNTS, PLAN_SLOTS };
+    const enum plan_slot touched[] = { PLAN_KEYS, PLAN_SLOT_IDS, PLAN_TRAITS, PLAN_COUNTS,
+                                       PLAN_SLOTS };
     plan_splat(plan, "slots", PLAN_SHADER_EXACT_SLOTS, PLAN_SHADER_EXACT_SLOTS_LARGE, false,
                touched);
     plan_blocks(plan);

@@ -53,6 +53,7 @@ static const char *const constant_names[PLAN_CONSTANTS] = {
     [PLAN_RIM_FAR] = "rim_far",
     [PLAN_CUTS] = "cuts",
     [PLAN_BINS] = "bins",
+    [PLAN_COLOR_CODES] = "color_codes",
 };
 
 static void print_resources(FILE *out, const struct stp_plan *plan)

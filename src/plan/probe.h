@@ -113,6 +113,7 @@ struct probe_pixel {
     size_t count;
     unsigned most_layers; /* those behind are left out */
     double slack;         /* of an epsilon's end, where depths are in steps: less than one */
+    float color_steps;    /* from 0 to 1, to which colours are rounded; 0: they are not */
 };
 /* Its colour, with what is behind; returns its layers, 0 where nothing is kept. */
 unsigned probe_resolve(const struct probe *probe, size_t at, const struct probe_pixel *pixel,

@@ -42,6 +42,7 @@ struct judging {
     bool local;
     unsigned most_layers;
     double slack;
+    float color_steps;
     size_t most;                    /* fragments of a pixel */
     struct probe_fragment *scratch; /* so many for each thread */
     struct probe_tally *tally;      /* one a cell */
@@ -67,7 +68,7 @@ static bool draw_pixel(const struct judging *j, size_t pixel, bool perturbed,
         count = probe_perturb(probe, scratch, count);
     if (count)
         j->keep(j->plan, scratch, count);
-    const struct probe_pixel of = { scratch, count, j->most_layers, j->slack };
+    const struct probe_pixel of = { scratch, count, j->most_layers, j->slack, j->color_steps };
     return probe_resolve(probe, pixel, &of, color) > 0;
 }
 
@@ -184,6 +185,8 @@ enum stp_result probe_judge(const struct stp_env *env, const struct probe *probe
         j.most_layers = plan_repeats(plan);
     if (steps)
         j.slack = 0.25 / (double)plan->frame.depth_scale;
+    if (plan->constant[PLAN_COLOR_CODES])
+        j.color_steps = STP_COLOR_STEPS;
     j.tally = mem_zalloc(cells, sizeof *j.tally);
     j.scratch = mem_alloc(j.most * threads, sizeof *j.scratch);
     bool made = j.tally && j.scratch;

@@ -1,6 +1,7 @@
 /* A probe's pixels, resolved as the reference does: Eq. 1, or layer by layer. */
 #include "plan/probe.h"
 
+#include <math.h>
 #include <string.h>
 
 #include "base/log.h"
@@ -15,13 +16,29 @@ static void take(struct nearest *nearest, const struct probe_fragment *f)
         *nearest = (struct nearest){ f->depth, f->splat, f->normal };
 }
 
-static void sum(const struct view *view, struct sums *sums, const struct probe_fragment *f)
+/* In floats, as in glsl/lib/terms.glsl: a half goes the same way. */
+static double in_steps(double c, float steps)
 {
+    return (double)floorf((float)c * steps + 0.5f) / (double)steps;
+}
+
+static struct vec3 albedo_of(const struct view *view, uint32_t splat, float steps)
+{
+    struct vec3 c = splat_albedo(view, splat);
+    if (steps == 0)
+        return c;
+    return v3(in_steps(c.x, steps), in_steps(c.y, steps), in_steps(c.z, steps));
+}
+
+static void sum(const struct view *view, struct sums *sums, const struct probe_fragment *f,
+                float color_steps)
+{
+    struct vec3 albedo = albedo_of(view, f->splat, color_steps);
     sums->weight += f->weight;
     sums->depth += f->weight * f->depth;
     sums->opacity += f->weight * splat_opacity(view, f->splat);
     sums->normal = v3_add(sums->normal, v3_scale(f->normal, f->weight));
-    sums->albedo = v3_add(sums->albedo, v3_scale(splat_albedo(view, f->splat), f->weight));
+    sums->albedo = v3_add(sums->albedo, v3_scale(albedo, f->weight));
     sums->count++;
 }
 
@@ -39,7 +56,7 @@ static bool one_surface(const struct view *view, const struct ray *ray,
     double last = nearest.depth + splat_epsilon(view, nearest.id) + pixel->slack;
     for (size_t i = 0; i < pixel->count; i++)
         if (pixel->fragment[i].kept && !(pixel->fragment[i].depth > last))
-            sum(view, &sums, &pixel->fragment[i]);
+            sum(view, &sums, &pixel->fragment[i], pixel->color_steps);
     struct surface surface = surface_resolve(view, &nearest, &sums, ray);
     *color = surface_shade(view, &surface);
     return true;
@@ -76,7 +93,7 @@ static struct sums cut(const struct view *view, const struct probe_pixel *pixel,
         if (!ours || f->depth < start->depth || (!solid && f->depth >= p->opaque.depth))
             continue;
         if (f->depth <= last)
-            sum(view, &sums, f);
+            sum(view, &sums, f, pixel->color_steps);
         else if (!solid)
             take(&p->next, f);
     }
@@ -152,7 +169,8 @@ enum stp_result probe_truth(const struct stp_env *env, struct probe *probe)
         return log_no_memory(env, probe->pixels * 3 * sizeof(double), "the probe's truth");
     for (size_t i = 0; i < probe->pixels; i++) {
         const struct probe_pixel pixel = { &probe->fragment[probe->first[i]],
-                                           probe->first[i + 1] - probe->first[i], UINT32_MAX, 0 };
+                                           probe->first[i + 1] - probe->first[i], UINT32_MAX, 0,
+                                           0 };
         layers += probe_resolve(probe, i, &pixel, &probe->truth[3 * i]);
     }
     probe->layers = probe->pixels ? (double)layers / (double)probe->pixels : 0;

@@ -277,7 +277,7 @@ static void draw_pixel(const struct drawing *d, size_t i)
 /* What nothing covers shows what is behind it all, as the truth does where it has nothing. */
 static void begin_pixel(const struct drawing *d, size_t i)
 {
-    const struct probe_pixel nothing = { NULL, 0, 0, 0 };
+    const struct probe_pixel nothing = { 0 };
     probe_resolve(d->probe, i, &nothing, d->color[i].color);
     d->color[i].covered = false;
     d->open[i].is = false;

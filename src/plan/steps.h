@@ -30,6 +30,7 @@ enum plan_slot {
     PLAN_BINNED_LISTS,
     PLAN_KEYS,
     PLAN_SLOT_IDS,
+    PLAN_TRAITS,
     PLAN_COUNTS,
     PLAN_NEAREST,
     PLAN_SUMS,
@@ -61,6 +62,7 @@ enum plan_slot {
     PLAN_TEXEL_PROJECTED, /* and those of PLAN_PROJECTED and PLAN_ORDER */
     PLAN_TEXEL_ORDER,
     PLAN_TEXEL_CLUSTERS,
+    PLAN_TEXEL_TRAITS, /* and of PLAN_TRAITS */
     PLAN_SLOTS
 };
 

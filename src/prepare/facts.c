@@ -118,10 +118,12 @@ static void scan_radii_and_colors(const struct splats *s, struct stp_facts *fact
         facts->radius_min = fminf(facts->radius_min, s->radius[i]);
         facts->radius_max = fmaxf(facts->radius_max, s->radius[i]);
     }
-    facts->color_max = 0;
+    facts->color_min = facts->color_max = 0;
     for (size_t i = 0; s->color && i < s->count; i++)
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
+            facts->color_min = fminf(facts->color_min, s->color[i][c]);
             facts->color_max = fmaxf(facts->color_max, s->color[i][c]);
+        }
 }
 
 static void count_phong(const struct splats *s, struct stp_facts *facts)

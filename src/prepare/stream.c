@@ -64,8 +64,10 @@ static void measure_values(struct measuring *m, const struct splats *s)
         f->radius_max = fmaxf(f->radius_max, s->radius[i]);
     }
     for (size_t i = 0; s->color && i < s->count; i++)
-        for (int c = 0; c < 3; c++)
+        for (int c = 0; c < 3; c++) {
+            f->color_min = fminf(f->color_min, s->color[i][c]);
             f->color_max = fmaxf(f->color_max, s->color[i][c]);
+        }
     f->splats += s->count;
     f->has_color = s->color != NULL;
 }
@@ -105,7 +107,7 @@ static void begin_measuring(struct measuring *m)
 {
     m->facts.splats = 0;
     m->facts.radius_min = INFINITY;
-    m->facts.radius_max = m->facts.color_max = 0;
+    m->facts.radius_max = m->facts.color_min = m->facts.color_max = 0;
     m->facts.opacity_min = 1;
     m->facts.uniform_opacity = true;
     for (int axis = 0; axis < 3; axis++) {

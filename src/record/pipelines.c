@@ -30,17 +30,18 @@ static uint8_t find_texels(const struct stp_plan *plan, enum plan_slot slot)
     return fetched ? found : PLAN_NONE;
 }
 
-/* Slots have an address, and may be fetched as texels besides. Where they have no ids the slots
- * themselves stand at that binding, and points where they have no clusters: shaders name it, but
- * fetch nothing. */
+/* Slots have an address, and may be fetched as texels besides. Where they have no ids or traits the
+ * slots themselves stand at those bindings, and points where they have no clusters: shaders name
+ * it, but fetch nothing. */
 static uint8_t find_bound(const struct stp_plan *plan, uint32_t slot)
 {
     switch (slot) {
     case PLAN_TEXEL_KEYS:
         return find_texels(plan, PLAN_KEYS);
-    case PLAN_TEXEL_SLOT_IDS: {
-        uint8_t ids = find_texels(plan, PLAN_SLOT_IDS);
-        return ids != PLAN_NONE ? ids : find_texels(plan, PLAN_KEYS);
+    case PLAN_TEXEL_SLOT_IDS:
+    case PLAN_TEXEL_TRAITS: {
+        uint8_t own = find_texels(plan, slot == PLAN_TEXEL_TRAITS ? PLAN_TRAITS : PLAN_SLOT_IDS);
+        return own != PLAN_NONE ? own : find_texels(plan, PLAN_KEYS);
     }
     case PLAN_TEXEL_PROJECTED:
         return find_texels(plan, PLAN_PROJECTED);

@@ -75,6 +75,7 @@ static void grow(struct stp_facts *f, const struct splats *s, size_t i)
     for (int k = 0; k < 3; k++) {
         f->bounds[k] = fmin(f->bounds[k], s->position[i][k]);
         f->bounds[3 + k] = fmax(f->bounds[3 + k], s->position[i][k]);
+        f->color_min = f->has_color ? fminf(f->color_min, s->color[i][k]) : 0;
         f->color_max = f->has_color ? fmaxf(f->color_max, s->color[i][k]) : 0;
     }
     f->radius_min = fminf(f->radius_min, s->radius[i]);

@@ -91,16 +91,24 @@ static float value_at(const struct stp_image *image, const char *name)
 }
 
 /* `count` sheets of discs across the middle of the picture, `step` apart. */
-static struct stp_scene *sheets(size_t count, double step, float opacity, size_t discs)
+static struct stp_scene *painted_sheets(size_t count, double step, float opacity, size_t discs,
+                                        const float color[3])
 {
     struct stp_scene *scene = scene_make(count * discs, 1, 0.1);
     for (size_t k = 0; k < count * discs; k++) {
         double z = -5 - step * (double)(k / discs);
         scene_add(scene, v3(0.001 * (double)(k % discs), 0, z), v3(0, 0, 1), 2);
         scene_fade(scene, k, opacity);
+        if (color)
+            scene_paint(scene, k, color[0], color[1], color[2]);
     }
     scene_finish(scene);
     return scene;
+}
+
+static struct stp_scene *sheets(size_t count, double step, float opacity, size_t discs)
+{
+    return painted_sheets(count, step, opacity, discs, NULL);
 }
 
 /* The closed form, within and beyond the slots, of small discs and of large ones. */
@@ -127,6 +135,37 @@ static void test_many_layers(void **state)
         stp_image_destroy(&image);
         stp_scene_destroy(&scene);
     }
+}
+
+/* Discs of one colour and one opacity: their mean is that colour, to half a step of those that
+ * slots hold; 0 and 1 to a float's rounding, and so is what is outside of 0 to 1, which they do not
+ * hold. Within the slots, in lists, and of large discs. */
+static void test_colors(void **state)
+{
+    static const float colors[][3] = { { 0, 1, 0.5f },
+                                       { 0.7f, 0.0001f, 0.9999f },
+                                       { 0.3f, 0.123f, 0.877f },
+                                       { 1.5f, 0.7f, 0.3f },
+                                       { -0.25f, 0.7f, 0.3f } };
+    static const struct {
+        size_t discs;
+        double focal;
+    } cases[] = { { 1, 8 }, { 64, 8 }, { 300, 8 }, { 3, 100 } };
+    for (unsigned k = 0; k < sizeof colors / sizeof *colors; k++)
+        for (unsigned i = 0; i < sizeof cases / sizeof *cases; i++) {
+            struct stp_scene *scene = painted_sheets(2, 0.3, 0.5f, cases[i].discs, colors[k]);
+            struct stp_camera camera = flat_camera(21, 17, cases[i].focal);
+            struct stp_render_params p = { .min_splat = -1, .aovs = STP_AOV_ALBEDO };
+            struct stp_image *image = device_render(&device, scene, &camera, &p);
+            static const char *const names[] = { "albedo.R", "albedo.G", "albedo.B" };
+            for (unsigned c = 0; c < 3; c++) {
+                double v = (double)colors[k][c];
+                double steps = k < 3 && v != 0 && v != 1 ? 0.5 / 4095 : 0;
+                close_to(value_at(image, names[c]), v, steps + 3e-7 * fabs(v));
+            }
+            stp_image_destroy(&image);
+            stp_scene_destroy(&scene);
+        }
 }
 
 /* A few deep blocks far from each other, drawn again alone: among blocks that are touched but hold
@@ -276,11 +315,17 @@ static void test_all_invisible(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_views),       cmocka_unit_test(test_packed),
-        cmocka_unit_test(test_many_layers), cmocka_unit_test(test_deep_blocks_apart),
-        cmocka_unit_test(test_two_sheets),  cmocka_unit_test(test_opaque_among_many),
-        cmocka_unit_test(test_backgrounds), cmocka_unit_test(test_same_bits),
-        cmocka_unit_test(test_samples),     cmocka_unit_test(test_all_invisible),
+        cmocka_unit_test(test_views),
+        cmocka_unit_test(test_packed),
+        cmocka_unit_test(test_many_layers),
+        cmocka_unit_test(test_colors),
+        cmocka_unit_test(test_deep_blocks_apart),
+        cmocka_unit_test(test_two_sheets),
+        cmocka_unit_test(test_opaque_among_many),
+        cmocka_unit_test(test_backgrounds),
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_samples),
+        cmocka_unit_test(test_all_invisible),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

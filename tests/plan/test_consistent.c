@@ -5,7 +5,7 @@
 /* Passes may append to these before anything has written them: counters say what is there. */
 static bool appended(const struct stp_plan *plan, enum plan_slot slot)
 {
-    return slot == PLAN_LARGE || slot == PLAN_SLOT_IDS || slot == PLAN_RIM ||
+    return slot == PLAN_LARGE || slot == PLAN_SLOT_IDS || slot == PLAN_TRAITS || slot == PLAN_RIM ||
            (slot == PLAN_KEYS && plan->method == STP_METHOD_EXACT);
 }
 
@@ -82,7 +82,7 @@ static void check_resources(const struct stp_plan *plan)
         assert_true(r->name[0] && r->bytes > 0);
         assert_false(slot[r->slot]);
         slot[r->slot] = true;
-        bool slots = r->slot == PLAN_KEYS || r->slot == PLAN_SLOT_IDS;
+        bool slots = r->slot == PLAN_KEYS || r->slot == PLAN_SLOT_IDS || r->slot == PLAN_TRAITS;
         bool words = r->format == PLAN_TEXELS_RG32UI || r->format == PLAN_TEXELS_R32UI;
         bool records = r->slot == PLAN_PROJECTED && r->format == PLAN_TEXELS_RGBA32UI;
         assert_true(records || words ? records || slots
@@ -208,6 +208,7 @@ static void test_sums_fit(void **state)
         color_inputs(&in);
         in.scene->facts.splats = (size_t)1 << bits;
         in.scene->facts.color_max = 65504;
+        in.limits.heap_bytes = UINT64_C(1) << 33;
         struct stp_plan *plan = plan_of(&in);
         double most = (double)in.scene->facts.splats;
         assert_true(most * plan->frame.sum_scale < 0x1p63);

@@ -121,6 +121,21 @@ static void faded(struct inputs *in)
 {
     fade_inputs(in, false);
 }
+static void faded_colors(struct inputs *in)
+{
+    color_inputs(in);
+    fade_inputs(in, false);
+}
+static void bright_colors(struct inputs *in)
+{
+    faded_colors(in);
+    in->scene->facts.color_max = 1.01f;
+}
+static void dark_colors(struct inputs *in)
+{
+    faded_colors(in);
+    in->scene->facts.color_min = -0.01f;
+}
 static void mixed(struct inputs *in)
 {
     fade_inputs(in, true);
@@ -140,6 +155,11 @@ static void all_glass(struct inputs *in)
 }
 static void ellipses(struct inputs *in)
 {
+    in->scene->facts.phong = 7;
+}
+static void colored_ellipses(struct inputs *in)
+{
+    faded_colors(in);
     in->scene->facts.phong = 7;
 }
 static void clipped(struct inputs *in)
@@ -201,12 +221,17 @@ static const struct feature {
     int constant;
     uint32_t value;
 } features[] = {
-    { "colours", color_inputs, EXACT, "+slot ids", NULL, PLAN_KEY_IDS, 1 },
+    { "colours", color_inputs, EXACT, "+traits", NULL, PLAN_KEY_IDS, 1 },
+    { "colours", color_inputs, EXACT, NULL, NULL, PLAN_COLOR_CODES, 0 },
+    { "colours, transparent", faded_colors, EXACT, "+traits", NULL, PLAN_COLOR_CODES, 1 },
+    { "colours above 1", bright_colors, EXACT, "+traits", NULL, PLAN_COLOR_CODES, 0 },
+    { "colours below 0", dark_colors, EXACT, "+traits", NULL, PLAN_COLOR_CODES, 0 },
+    { "ellipses with colours", colored_ellipses, EXACT, "+slot ids", NULL, PLAN_COLOR_CODES, 0 },
     { "colours", color_inputs, ALL, "+colors", NULL, PLAN_HAS_COLOR, 1 },
     { "colours", color_inputs, TWO_PASS_RASTER, "+color sum", NULL, -1, 0 },
     { "colours", color_inputs, KEYS, NULL, NULL, PLAN_PACKED, 0 },
     { "objects", two_objects, ALL, "+materials", NULL, PLAN_HAS_OBJECTS, 1 },
-    { "objects", two_objects, EXACT, "+slot ids", NULL, PLAN_KEY_IDS, 1 },
+    { "objects", two_objects, EXACT, "+traits", NULL, PLAN_KEY_IDS, 1 },
     { "unknown normals", unknown_normals, ALL, NULL, NULL, PLAN_HAS_UNKNOWN, 1 },
     { "no floor", floor_off, ALL, NULL, NULL, PLAN_FLOOR, 0 },
     { "background", background, EXACT | TWO_PASS | KEYS, NULL, "+background", PLAN_BACKGROUND, 1 },
@@ -253,7 +278,7 @@ static const struct feature {
     { "opacities", mixed, TWO_PASS_RASTER, "+color sum", "+clear depth", PLAN_MIXED, 1 },
     { "opacities", mixed, TWO_PASS, "+opacities", NULL, PLAN_OPACITY, 2 },
     { "opacities", mixed, EXACT, "+opacities", "+mend layer", PLAN_OPACITY, 2 },
-    { "opacities", mixed, EXACT, "+slot ids", "-repair sum", PLAN_MIXED, 1 },
+    { "opacities", mixed, EXACT, "+traits", "-repair sum", PLAN_MIXED, 1 },
     { "layers", mixed, EXACT, "+id", NULL, PLAN_AOVS, PLAN_AOVS_ID | PLAN_AOVS_LAYERS },
     { "ellipses", ellipses, ALL, "+ellipses", NULL, PLAN_PHONG, 1 },
     { "clip lines", clipped, ALL, "+ellipses", NULL, PLAN_PHONG, 2 },
