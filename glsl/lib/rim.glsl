@@ -74,7 +74,7 @@ uint open_bits(uvec2 word, ivec4 box)
 bool rim_hit(Texel t, float crowd, vec2 q, out float depth)
 {
     PRECISE vec2 d = t.center - q;
-    PRECISE float away = length(d);
+    PRECISE float away = sqrt(inner(d, d));
     PRECISE vec2 at = q + d * (min(crowd, away) / max(away, 1e-6));
     bool hit = disc_hit(t, at, depth);
     return hit && depth >= frame.near_depth && depth <= frame.far_depth;
