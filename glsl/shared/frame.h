@@ -276,7 +276,6 @@ struct stp_frame_constants {
     uint level_row[STP_LEVELS];
     float radius_unit, radius_scale; /* what radii are packed in, and its inverse */
     int block_reach;                 /* blocks beyond a touched one that a disc may reach */
-    int rim_blocks;                  /* and beyond a point's own, that its disc may */
     uint rim_level;                  /* whose empty texels a mean's disc may reach into, at most */
     float pyramid_floor;             /* least radius on the screen, pixels */
     float pyramid_color;             /* colours are packed times this */

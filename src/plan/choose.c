@@ -281,6 +281,43 @@ static enum stp_result choose_share(const struct stp_env *env, struct stp_plan *
     return STP_OK;
 }
 
+/* What the method cannot draw, or not yet. */
+static enum stp_result check_method(const struct stp_env *env, const struct stp_plan *plan)
+{
+    if (plan_of_medium(&plan->facts) && plan->method != STP_METHOD_AXIS)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         plan->facts.range.frames
+                             ? "method %s draws discs; range images take axis or reference, or "
+                               "--range-splats discs"
+                             : "method %s draws surfaces; a volume takes axis or reference",
+                         stp_method_name(plan->method));
+    if (!plan_covers(plan) && plan->method == STP_METHOD_DEFERRED &&
+        plan->facts.grouping.groups == 0)
+        return log_error(env, STP_ERROR_ARGUMENT,
+                         "the deferred method needs stp_scene_group before its plan");
+    return plan_check_phong(env, plan);
+}
+
+static void choose_constants(struct stp_plan *plan)
+{
+    uint32_t *c = plan->constant;
+    bool cover = plan_covers(plan);
+    c[PLAN_GROUPS] = cover                                 ? plan->facts.cover.groups
+                     : plan->method == STP_METHOD_DEFERRED ? plan->facts.grouping.groups
+                                                           : 1;
+    c[PLAN_VORONOI] = plan->voronoi == STP_VORONOI_SLAB    ? 1
+                      : plan->voronoi == STP_VORONOI_EXACT ? 2
+                                                           : 0;
+    c[PLAN_BINS] = plan_bins(plan);
+    c[PLAN_ATOMIC64] = (plan->limits.features & STP_FEATURE_INT64_ATOMICS) != 0;
+    c[PLAN_FLOAT64] = (plan->limits.features & STP_FEATURE_FLOAT64) != 0;
+    /* Measured: on a CPU device a pass a layer beats one layered pass. */
+    c[PLAN_LAYERED] =
+        !cover && plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED &&
+        (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 && plan->limits.processor == 2 &&
+        plan->facts.grouping.groups <= plan->limits.max_image_layers;
+}
+
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
 {
     enum stp_result result = choose_share(env, plan);
@@ -302,19 +339,7 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
         explain(plan);
         return STP_OK;
     }
-    bool volume = plan_of_medium(&plan->facts);
-    if (volume && plan->method != STP_METHOD_AXIS)
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         plan->facts.range.frames
-                             ? "method %s draws discs; range images take axis or reference, or "
-                               "--range-splats discs"
-                             : "method %s draws surfaces; a volume takes axis or reference",
-                         stp_method_name(plan->method));
-    bool cover = plan_covers(plan);
-    if (!cover && plan->method == STP_METHOD_DEFERRED && plan->facts.grouping.groups == 0)
-        return log_error(env, STP_ERROR_ARGUMENT,
-                         "the deferred method needs stp_scene_group before its plan");
-    result = plan_check_phong(env, plan);
+    result = check_method(env, plan);
     if (result == STP_OK)
         result = choose_path(env, plan);
     if (result == STP_OK)
@@ -322,21 +347,7 @@ enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)
     if (result != STP_OK)
         return result;
     choose_payload(plan, ldexp(1, STP_DEPTH_BITS - (int)plan->frame.depth_bits));
-    uint32_t *c = plan->constant;
-    c[PLAN_GROUPS] = cover                                 ? plan->facts.cover.groups
-                     : plan->method == STP_METHOD_DEFERRED ? plan->facts.grouping.groups
-                                                           : 1;
-    c[PLAN_VORONOI] = plan->voronoi == STP_VORONOI_SLAB    ? 1
-                      : plan->voronoi == STP_VORONOI_EXACT ? 2
-                                                           : 0;
-    c[PLAN_BINS] = plan_bins(plan);
-    c[PLAN_ATOMIC64] = (plan->limits.features & STP_FEATURE_INT64_ATOMICS) != 0;
-    c[PLAN_FLOAT64] = (plan->limits.features & STP_FEATURE_FLOAT64) != 0;
-    /* Measured: on a CPU device a pass a layer beats one layered pass. */
-    c[PLAN_LAYERED] =
-        !cover && plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED &&
-        (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 && plan->limits.processor == 2 &&
-        plan->facts.grouping.groups <= plan->limits.max_image_layers;
+    choose_constants(plan);
     if (plan->method == STP_METHOD_PYRAMID)
         plan_pyramid_view(plan);
     explain(plan);

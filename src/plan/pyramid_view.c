@@ -111,7 +111,6 @@ void plan_pyramid_view(struct stp_plan *plan)
     f->rim_level = (uint32_t)fmax(ceil(log2(fmax(2 * o.radius, 1))), 1);
     plan->rim_far = o.radius + MOST_CROWD > NEAR_REACH;
     plan->constant[PLAN_RIM_FAR] = plan->rim_far;
-    f->rim_blocks = (int32_t)ceil(fmin(rim_reach(o.radius), STP_RIM_REACH) / STP_BLOCK);
     plan->rim_large = pow(2 * rim_reach(o.radius) + 1, 2) > STP_LARGE_AREA;
     if (plan->levels > 6) /* discs of more than a block and a half */
         f->block_reach = plan->levels > 8 ? 4 : 2;

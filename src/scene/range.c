@@ -43,7 +43,6 @@ bool range_pixel(const struct range *range, unsigned index, uint32_t u, uint32_t
     double model = range->uncertainty * range_deviation(frame, z);
     double least = RANGE_LEAST_DEPTH * fmin(wide, high);
     pixel->depth = z;
-    pixel->footprint = fmax(wide, high);
     pixel->deviation = fmax(model, least);
     pixel->place = m4_point(c->to_world, v3_scale(ray, z));
     pixel->across = m4_direction(c->to_world, v3_add(v3(wide, 0, 0), v3_scale(ray, zu)));

@@ -29,7 +29,7 @@
  * the surface around it, and one deviation along its ray. */
 struct range_pixel {
     struct vec3 place, across, down, along;
-    double depth, deviation, footprint; /* footprint: a pixel's width at that depth */
+    double depth, deviation;
 };
 /* False: no reading. */
 bool range_pixel(const struct range *range, unsigned frame, uint32_t u, uint32_t v,

@@ -173,8 +173,8 @@ static void nifti_of_an_affine_that_pixdim_contradicts(void **state)
 static void nrrd_of_left_handed_spaces(void **state)
 {
     static const char *const fields[] = {
-        "space: left-anterior-superior\nspace directions: (2,0,0) (0,1,0) (0,0,1)\n"
-        "space origin: (5,6,7)\n",
+        ("space: left-anterior-superior\nspace directions: (2,0,0) (0,1,0) (0,0,1)\n"
+         "space origin: (5,6,7)\n"),
         "space directions: (2,0,0) (0,1,0) (0,0,1)\nspace origin: (5,6,7)\nspace: LAS\n",
         "space: 3D-left-handed\nspacings: 2 1 1\n",
         "space: RAS\nspace directions: (2,0,0) (0,1,0) (0,0,1)\nspace origin: (5,6,7)\n",
