@@ -50,7 +50,7 @@ struct choosing {
 /* What comes first is judged first. Prices are right to about so much: what they say is saved by
  * less may be none, and is not worth groups that take seconds, or a greater error; nor are more
  * cells than a sample's where another way costs hardly more. */
-#define AUTO_DOUBT 1.12
+#define AUTO_DOUBT 1.05
 #define AUTO_WORTH 1.15
 static inline double auto_reckoned(const struct auto_candidate *candidate)
 {

@@ -11,11 +11,17 @@ const unsigned plan_offer_count = sizeof plan_offers / sizeof *plan_offers;
 const char *plan_cost_name(enum plan_cost cost)
 {
     static const char *const names[PLAN_COSTS] = {
-        "exact packed",           "exact packed ids",   "exact id",           "two-pass compute",
-        "two-pass compute color", "two-pass raster",    "deferred packed",    "deferred id",
-        "deferred exact",         "deferred raster",    "deferred raster id", "pyramid",
-        "pyramid color",          "layers packed",      "layers packed ids",  "layers id",
-        "peel compute",           "peel compute color", "peel raster",
+        "exact packed",       "exact packed ids",
+        "exact id",           "exact id color",
+        "two-pass compute",   "two-pass compute color",
+        "two-pass raster",    "two-pass raster color",
+        "deferred packed",    "deferred id",
+        "deferred exact",     "deferred raster",
+        "deferred raster id", "pyramid",
+        "pyramid color",      "layers packed",
+        "layers packed ids",  "layers id",
+        "peel compute",       "peel compute color",
+        "peel raster",
     };
     return cost < PLAN_COSTS ? names[cost] : NULL;
 }

@@ -166,7 +166,7 @@ static enum plan_cost cost(const struct stp_plan *plan, const struct survey *sur
     amount[PLAN_TERM_DEEP] = survey->deep;
     amount[PLAN_TERM_OVERFLOW] = survey->overflow;
     if (!plan->constant[PLAN_PACKED])
-        return PLAN_COST_EXACT_ID;
+        return plan->constant[PLAN_HAS_COLOR] ? PLAN_COST_EXACT_ID_COLOR : PLAN_COST_EXACT_ID;
     return plan->constant[PLAN_KEY_IDS] ? PLAN_COST_EXACT_PACKED_IDS : PLAN_COST_EXACT_PACKED;
 }
 

@@ -185,9 +185,10 @@ static enum plan_cost cost(const struct stp_plan *plan, const struct survey *sur
                            double amount[PLAN_TERMS])
 {
     plan_common_amounts(plan, survey, amount);
+    bool colored = plan->constant[PLAN_HAS_COLOR] != 0;
     if (plan->path == STP_PATH_RASTER)
-        return PLAN_COST_TWO_PASS_RASTER;
-    return plan->constant[PLAN_HAS_COLOR] ? PLAN_COST_TWO_PASS_COLOR : PLAN_COST_TWO_PASS;
+        return colored ? PLAN_COST_TWO_PASS_RASTER_COLOR : PLAN_COST_TWO_PASS_RASTER;
+    return colored ? PLAN_COST_TWO_PASS_COLOR : PLAN_COST_TWO_PASS;
 }
 
 /* Sums of 40 bits and more: nothing is lost that a picture shows. */

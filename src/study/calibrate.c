@@ -1,8 +1,10 @@
 /* stp_calibrate: every synthetic scene under every kind of plan, timed, and prices fitted to it. */
 #include "study/calibrate.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdio.h>
+#include <string.h>
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -11,23 +13,28 @@
 #include "record/record.h"
 #include "report/report.h"
 #include "study/study.h"
+#include "study/yardstick.h"
 
-#define ROUNDS     2  /* far enough apart that what disturbs one may spare the other */
-#define MOST_TIMED 8  /* frames of a visit */
-#define ENOUGH     20 /* milliseconds of them, without what compiles */
+#define ROUNDS     3     /* at most: what has met a slow spell is timed again in the next */
+#define PATIENCE   40000 /* milliseconds, of all waiting for the end of spells */
+#define STEADY     1.2   /* times the yardstick's least: no slow spell */
+#define MOST_TIMED 8     /* frames of a visit */
+#define ENOUGH     12    /* milliseconds of them */
 #define LINE_SIZE  512
 #define MOST_ROWS  64 /* of a kind */
 #define MOST_HELD  128
 #define CELLS      64 /* of a probe that counts layers */
 
 struct rows {
-    unsigned count, at; /* at: the next of this round */
-    bool plain;         /* colours make no difference to this kind */
+    bool plain; /* colours make no difference to this kind */
+    /* One a scene. 0 ns: none. */
     double amount[MOST_ROWS * PLAN_TERMS], ns[MOST_ROWS];
+    double pace[MOST_ROWS]; /* the yardstick beside it, when that was least */
 };
 
-/* A scene, ready for both rounds. */
+/* A scene, ready for all rounds. */
 struct bed {
+    unsigned index;
     struct stp_scene *scene;
     struct stp_camera camera;
     struct stp_render_params params;
@@ -41,26 +48,28 @@ struct calibrating {
     struct stp_context *context;
     struct rows *rows; /* one a kind */
     struct bed *bed;   /* one a scene */
+    struct yardstick yardstick;
+    double least;  /* of its readings */
+    double waited; /* milliseconds */
     /* Compiling takes longer than the frames: what one frame compiled is held for others. */
     unsigned held_count;
     struct record_pipelines *held[MOST_HELD];
     char line[LINE_SIZE];
 };
 
-/* False: they are new, and the first frame will compile. */
-static bool hold(struct calibrating *c, struct record_pipelines *pipelines)
+static void hold(struct calibrating *c, struct record_pipelines *pipelines)
 {
     for (unsigned i = 0; i < c->held_count; i++)
         if (c->held[i] == pipelines)
-            return true;
+            return;
     if (c->held_count < MOST_HELD) {
         gpu_use_kept(c->context, &pipelines->kept);
         c->held[c->held_count++] = pipelines;
     }
-    return false;
 }
 
-/* The least of a few frames: what disturbs a frame only lengthens it. */
+/* The least of a few warm frames: what disturbs a frame only lengthens it. The first compiles, or
+ * touches new memory, which takes as long as a price or two of a large picture's pixels. */
 static enum stp_result time_plan(struct calibrating *c, const struct bed *bed,
                                  const struct stp_plan *plan, double *ms)
 {
@@ -69,12 +78,11 @@ static enum stp_result time_plan(struct calibrating *c, const struct bed *bed,
     enum stp_result result = record_frame_create(&c->quiet, c->context, plan, &frame);
     if (result != STP_OK)
         return result;
-    bool known = hold(c, frame.pipelines);
+    hold(c, frame.pipelines);
     result = record_upload(&c->quiet, &frame, bed->scene);
-    if (result == STP_OK) /* compiles, and touches the memory */
-        result = record_run(&c->quiet, &frame, bed->scene, NULL, ms, &unused);
-    if (known)
-        spent = *ms;
+    if (result == STP_OK)
+        result = record_run(&c->quiet, &frame, bed->scene, NULL, &unused, &unused);
+    *ms = INFINITY;
     for (unsigned i = 0; result == STP_OK && i < MOST_TIMED && spent < ENOUGH; i++) {
         result = record_run(&c->quiet, &frame, bed->scene, NULL, &each, &unused);
         *ms = fmin(*ms, each);
@@ -84,25 +92,50 @@ static enum stp_result time_plan(struct calibrating *c, const struct bed *bed,
     return result;
 }
 
+static enum stp_result read_yardstick(struct calibrating *c)
+{
+    enum stp_result result = yardstick_read(&c->quiet, &c->yardstick);
+    c->least = fmin(c->least, c->yardstick.ms);
+    return result;
+}
+
+/* Until a slow spell has ended, or patience. */
+static enum stp_result sit_out(struct calibrating *c)
+{
+    enum stp_result result = STP_OK;
+    while (result == STP_OK && c->yardstick.ms > STEADY * c->least && c->waited < PATIENCE) {
+        result = read_yardstick(c);
+        c->waited += YARDSTICK_FRAMES * c->yardstick.ms;
+    }
+    return result;
+}
+
 static enum stp_result add_row(struct calibrating *c, const struct bed *bed,
                                const struct stp_plan *plan, bool seen[PLAN_COSTS])
 {
     double amount[PLAN_TERMS] = { 0 }, ms = 0;
     enum plan_cost kind = plan_offer_of(plan)->cost(plan, &bed->survey, amount);
     struct rows *rows = &c->rows[kind];
-    if (seen[kind] || rows->at == MOST_ROWS || (bed->colored && rows->plain))
+    unsigned i = bed->index;
+    bool again = rows->ns[i] > 0;
+    if (seen[kind] || (bed->colored && rows->plain))
         return STP_OK;
     seen[kind] = true;
     rows->plain = rows->plain || !bed->colored;
-    enum stp_result result = time_plan(c, bed, plan, &ms);
+    if (again && rows->pace[i] <= STEADY * c->least)
+        return STP_OK;
+    enum stp_result result = sit_out(c);
+    double pace = c->yardstick.ms;
+    if (result == STP_OK)
+        result = time_plan(c, bed, plan, &ms);
+    if (result == STP_OK)
+        result = read_yardstick(c);
     if (result != STP_OK)
         return result;
-    for (int t = 0; t < PLAN_TERMS; t++)
-        rows->amount[rows->at * PLAN_TERMS + t] = amount[t];
-    bool again = rows->at < rows->count;
-    rows->ns[rows->at] = again ? fmin(rows->ns[rows->at], ms * 1e6) : ms * 1e6;
-    rows->at++;
-    rows->count += !again;
+    pace = fmax(pace, c->yardstick.ms);
+    rows->ns[i] = again ? fmin(rows->ns[i], ms * 1e6) : ms * 1e6;
+    rows->pace[i] = again ? fmin(rows->pace[i], pace) : pace;
+    memcpy(&rows->amount[i * PLAN_TERMS], amount, sizeof amount);
     return STP_OK;
 }
 
@@ -145,7 +178,7 @@ static enum stp_result run_offer(struct calibrating *c, const struct bed *bed,
 static enum stp_result run_bed(struct calibrating *c, const struct bed *bed)
 {
     bool seen[PLAN_COSTS] = { false };
-    enum stp_result result = STP_OK;
+    enum stp_result result = read_yardstick(c);
     for (unsigned o = 0; result == STP_OK && o < plan_offer_count; o++)
         result = run_offer(c, bed, plan_offers[o], seen);
     return result;
@@ -165,14 +198,15 @@ static enum stp_result count_layers(struct calibrating *c, struct bed *bed)
 }
 
 static enum stp_result make_bed(struct calibrating *c, const struct calibrate_scene *what,
-                                struct bed *bed)
+                                unsigned index)
 {
     struct calibrate_scene grown = *what;
+    struct bed *bed = &c->bed[index];
     if (c->context->limits.processor == 2) { /* whose frames would be too short to tell apart */
         grown.splats *= 4;
         grown.size *= 2;
     }
-    *bed = (struct bed){ .colored = what->color };
+    *bed = (struct bed){ .index = index, .colored = what->color };
     bed->params =
         (struct stp_render_params){ .min_splat = -1,
                                     .cull = what->opacity > 0 ? STP_CULL_NONE : STP_CULL_BACK };
@@ -181,11 +215,14 @@ static enum stp_result make_bed(struct calibrating *c, const struct calibrate_sc
         result = survey_make(&c->quiet, bed->scene, &bed->camera, &bed->params, &bed->survey);
     if (result == STP_OK && what->opacity > 0)
         result = count_layers(c, bed);
+    if (result == STP_OK && index == 0)
+        result = yardstick_make(&c->quiet, c->context, bed->scene, &bed->camera, &c->yardstick);
     return result;
 }
 
 static void release(struct calibrating *c, unsigned count)
 {
+    yardstick_release(&c->yardstick);
     for (unsigned i = 0; c->bed && i < count; i++) {
         survey_release(&c->bed[i].survey);
         stp_scene_destroy(&c->bed[i].scene);
@@ -196,20 +233,49 @@ static void release(struct calibrating *c, unsigned count)
     mem_free(c->rows);
 }
 
+/* Leaves out the scenes that this kind has not drawn; returns how many are left. */
+static unsigned close_up(struct rows *rows)
+{
+    unsigned n = 0;
+    for (unsigned i = 0; i < MOST_ROWS; i++) {
+        if (rows->ns[i] == 0)
+            continue;
+        memmove(&rows->amount[n * PLAN_TERMS], &rows->amount[i * PLAN_TERMS],
+                PLAN_TERMS * sizeof *rows->amount);
+        rows->ns[n++] = rows->ns[i];
+    }
+    return n;
+}
+
 static void fit(const struct calibrating *c, struct stp_calibration *calibration)
 {
     struct stp_calibration known;
     calibration_built_in(&known);
     *calibration = (struct stp_calibration){ .measured = true };
     for (unsigned kind = 0; kind < PLAN_COSTS; kind++) {
-        const struct rows *rows = &c->rows[kind];
-        if (rows->count == 0)
+        struct rows *rows = &c->rows[kind];
+        unsigned count = close_up(rows);
+        if (count == 0)
             continue;
-        fit_prices(rows->count, PLAN_TERMS, rows->amount, rows->ns, known.ns[kind],
+        fit_prices(count, PLAN_TERMS, rows->amount, rows->ns, known.ns[kind],
                    calibration->ns[kind]);
-        for (unsigned i = 0; i < rows->count; i++)
+        for (unsigned i = 0; i < count; i++)
             study_log_amounts(c->env, kind, &rows->amount[i * PLAN_TERMS], rows->ns[i] * 1e-6);
     }
+}
+
+static enum stp_result run_round(struct calibrating *c, const struct calibrate_scene *scenes,
+                                 unsigned count, unsigned round)
+{
+    enum stp_result result = STP_OK;
+    for (unsigned i = 0; result == STP_OK && i < count; i++) {
+        log_progress(c->env, "calibrate", (double)(round * count + i) / (ROUNDS * count));
+        if (round == 0)
+            result = make_bed(c, &scenes[i], i);
+        if (result == STP_OK)
+            result = run_bed(c, &c->bed[i]);
+    }
+    return result;
 }
 
 /* Why it failed, for the one line that says so. */
@@ -224,8 +290,9 @@ enum stp_result calibrate_measure(const struct stp_env *env, struct stp_context 
                                   const struct calibrate_scene *scenes, unsigned count,
                                   struct stp_calibration *calibration)
 {
-    struct calibrating c = { .env = env, .context = context };
+    struct calibrating c = { .env = env, .context = context, .least = INFINITY };
     enum stp_result result = STP_OK;
+    assert(count <= MOST_ROWS);
     c.quiet =
         (struct stp_env){ .threads = env ? env->threads : 0, .log = keep_line, .user = c.line };
     c.rows = mem_zalloc(PLAN_COSTS, sizeof *c.rows);
@@ -235,15 +302,8 @@ enum stp_result calibrate_measure(const struct stp_env *env, struct stp_context 
         return log_no_memory(env, PLAN_COSTS * sizeof *c.rows, "the calibration");
     }
     context->env = &c.quiet;
-    for (unsigned i = 0; result == STP_OK && i < ROUNDS * count; i++) {
-        log_progress(env, "calibrate", (double)i / (ROUNDS * count));
-        for (unsigned kind = 0; i % count == 0 && kind < PLAN_COSTS; kind++)
-            c.rows[kind].at = 0;
-        if (i < count)
-            result = make_bed(&c, &scenes[i], &c.bed[i]);
-        if (result == STP_OK)
-            result = run_bed(&c, &c.bed[i % count]);
-    }
+    for (unsigned round = 0; result == STP_OK && round < ROUNDS; round++)
+        result = run_round(&c, scenes, count, round);
     context->env = NULL;
     if (result == STP_OK)
         fit(&c, calibration);

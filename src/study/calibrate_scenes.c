@@ -7,19 +7,23 @@
 #include "base/vec.h"
 
 /* What a fit has to tell apart: splats that are many or large, pictures that are full or empty, few
- * layers or many, a few fragments a pixel or more than slots. */
+ * layers or many, a few fragments a pixel or more than slots. Two of each colour are as large as
+ * pictures are in use, with as many fragments: what is cheap while it lies in a cache is not there.
+ */
 const struct calibrate_scene calibrate_scenes[] = {
     { 8000, 272, 4, 0.9, 1, 0.4, false, 0 },     { 8000, 272, 4, 0.9, 1, 0.8, false, 0 },
     { 120000, 400, 1.5, 0.9, 1, 0.4, false, 0 }, { 40000, 416, 2.5, 0.5, 1, 0.4, false, 0 },
     { 700, 400, 20, 0.9, 1, 0.4, false, 0 },     { 1800, 400, 12, 0.9, 1, 0.8, false, 0 },
     { 100, 264, 70, 0.9, 1, 0.4, false, 0 },     { 6000, 1024, 3, 0.3, 1, 0.8, false, 0 },
     { 9000, 768, 6.5, 0.9, 1, 0.4, false, 0 },   { 12000, 176, 5, 0.9, 4, 0.4, false, 0 },
-    { 4000, 96, 10, 0.7, 3, 0.4, false, 0 },     { 8000, 272, 4, 0.9, 1, 0.4, true, 0 },
+    { 4000, 96, 10, 0.7, 3, 0.4, false, 0 },     { 12000, 960, 13, 0.9, 1, 0.4, false, 0 },
+    { 22000, 640, 12, 0.9, 2, 0.4, false, 0 },   { 8000, 272, 4, 0.9, 1, 0.4, true, 0 },
     { 120000, 400, 1.5, 0.9, 1, 0.4, true, 0 },  { 40000, 416, 2.5, 0.5, 1, 0.4, true, 0 },
     { 700, 400, 20, 0.9, 1, 0.4, true, 0 },      { 1800, 400, 12, 0.9, 1, 0.8, true, 0 },
     { 100, 264, 70, 0.9, 1, 0.4, true, 0 },      { 6000, 1024, 3, 0.3, 1, 0.8, true, 0 },
     { 9000, 768, 6.5, 0.9, 1, 0.4, true, 0 },    { 12000, 176, 5, 0.9, 4, 0.4, true, 0 },
-    { 4000, 96, 10, 0.7, 3, 0.4, true, 0 },      { 8000, 272, 4, 0.9, 1, 0, false, 0.4 },
+    { 4000, 96, 10, 0.7, 3, 0.4, true, 0 },      { 12000, 960, 13, 0.9, 1, 0.4, true, 0 },
+    { 22000, 640, 12, 0.9, 2, 0.4, true, 0 },    { 8000, 272, 4, 0.9, 1, 0, false, 0.4 },
     { 50000, 264, 1.5, 0.9, 1, 0, false, 0.4 },  { 500, 336, 20, 0.9, 2, 0, false, 0.4 },
     { 80, 208, 60, 0.9, 1, 0, false, 0.4 },      { 6000, 768, 3, 0.3, 2, 0, false, 0.4 },
     { 5000, 400, 6, 0.9, 2, 0, false, 0.4 },     { 8000, 184, 5, 0.9, 4, 0, false, 0.4 },

@@ -150,9 +150,9 @@ static void test_doubt(void **state)
     struct stp_choice choice = choose(&in);
     assert_int_equal(choice.params.method, STP_METHOD_DEFERRED);
     double deferred = choice.params.prediction.milliseconds;
-    price(&in, PLAN_COST_EXACT_PACKED, 1.1 * deferred);
+    price(&in, PLAN_COST_EXACT_PACKED, 1.04 * deferred);
     assert_int_equal(choose(&in).params.method, STP_METHOD_EXACT);
-    price(&in, PLAN_COST_EXACT_PACKED, 1.15 * deferred);
+    price(&in, PLAN_COST_EXACT_PACKED, 1.06 * deferred);
     assert_int_equal(choose(&in).params.method, STP_METHOD_DEFERRED);
     release_inputs(&in);
 }
@@ -178,6 +178,27 @@ static void test_prices(void **state)
     choice = choose(&in);
     assert_int_equal(choice.params.path, STP_PATH_COMPUTE);
     assert_true(fabs(choice.params.prediction.milliseconds - 4 * 1.5) < 1e-9);
+    release_inputs(&in);
+}
+
+/* What has colours has prices of its own, by the rasteriser and by ids too. */
+static void test_colored(void **state)
+{
+    struct inputs in = wavy();
+    color_inputs(&in);
+    in.params.max_error = 0.1;
+    price(&in, PLAN_COST_TWO_PASS_RASTER, 1); /* of scenes without */
+    price(&in, PLAN_COST_EXACT_ID, 1);
+    price(&in, PLAN_COST_TWO_PASS_RASTER_COLOR, 3);
+    price(&in, PLAN_COST_EXACT_ID_COLOR, 2);
+    struct stp_choice choice = choose(&in);
+    assert_int_equal(choice.params.method, STP_METHOD_EXACT);
+    assert_int_equal(choice.params.payload, STP_PAYLOAD_ID);
+    assert_true(fabs(choice.params.prediction.milliseconds - 2) < 1e-9);
+    in.params.path = STP_PATH_RASTER;
+    choice = choose(&in);
+    assert_int_equal(choice.params.method, STP_METHOD_TWO_PASS);
+    assert_true(fabs(choice.params.prediction.milliseconds - 3) < 1e-9);
     release_inputs(&in);
 }
 
@@ -400,14 +421,15 @@ static void test_close_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bounds),     cmocka_unit_test(test_close),
-        cmocka_unit_test(test_piled),      cmocka_unit_test(test_doubt),
-        cmocka_unit_test(test_prices),     cmocka_unit_test(test_one_picture),
-        cmocka_unit_test(test_considered), cmocka_unit_test(test_fixed),
-        cmocka_unit_test(test_same),       cmocka_unit_test(test_sentence),
-        cmocka_unit_test(test_unmet),      cmocka_unit_test(test_bright),
-        cmocka_unit_test(test_refused),    cmocka_unit_test(test_pyramid),
-        cmocka_unit_test(test_no_memory),  cmocka_unit_test(test_close_no_memory),
+        cmocka_unit_test(test_bounds),          cmocka_unit_test(test_close),
+        cmocka_unit_test(test_piled),           cmocka_unit_test(test_doubt),
+        cmocka_unit_test(test_prices),          cmocka_unit_test(test_colored),
+        cmocka_unit_test(test_one_picture),     cmocka_unit_test(test_considered),
+        cmocka_unit_test(test_fixed),           cmocka_unit_test(test_same),
+        cmocka_unit_test(test_sentence),        cmocka_unit_test(test_unmet),
+        cmocka_unit_test(test_bright),          cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_pyramid),         cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_close_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
