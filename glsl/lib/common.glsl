@@ -4,6 +4,10 @@
 #extension GL_EXT_scalar_block_layout : require
 #extension GL_EXT_shader_explicit_arithmetic_types_int64 : require
 #extension GL_EXT_control_flow_attributes : require
+#extension GL_KHR_memory_scope_semantics : require
+
+// A word that other threads change by atomics in the same dispatch: a plain load would be a race.
+#define ATOMIC_LOAD(word) atomicLoad(word, gl_ScopeDevice, 0, 0)
 
 layout(buffer_reference, scalar, buffer_reference_align = 16) buffer Vec4Ref { vec4 v[]; };
 layout(buffer_reference, scalar, buffer_reference_align = 4) buffer Vec3Ref { vec3 v[]; };

@@ -19,7 +19,9 @@ Texel point_disc(uint index, uvec4 point, float depth, Place place)
     Texel t = EMPTY;
     t.depth = depth;
     t.radius = texelFetch(point_radii, int(index)).x;
-    t.normal = normal_turn * (TWO_SIDED && away > 0 ? -n : n);
+    n = TWO_SIDED && away > 0 ? -n : n;
+    PRECISE vec3 turned = normal_turn[0] * n.x + normal_turn[1] * n.y + normal_turn[2] * n.z;
+    t.normal = turned;
     t.center = vec2(place.whole) + (place.part - sample_shift());
     t.full = true;
     return t;

@@ -28,7 +28,7 @@ Held held_begin(uint pixel)
 
 void part_add(inout Part part, vec4 value, float scale, int kept)
 {
-    vec4 v = round(value * scale), high = floor(v / PART);
+    PRECISE vec4 v = round(value * scale), high = floor(v / PART);
     part.high += ivec4(high) & kept;
     part.low += ivec4(v - high * PART) & kept;
 }
@@ -38,9 +38,9 @@ void held_take(inout Held held, bool hit, uint pixel, uint id, Splat s, Fragment
     bool counts = hit && !(f.depth > held.nearest + held.epsilon);
     int kept = counts ? -1 : 0; // selections would become branches
     vec3 n = fragment_normal(s, f);
-    float w = kernel_weight(f.rho2), scale = frame.sum_scale;
+    PRECISE float w = kernel_weight(f.rho2), scale = frame.sum_scale;
     part_add(held.normal, vec4(w * n, w), scale, kept);
-    float above = round(w * ((f.depth - held.nearest) / held.epsilon) * scale);
+    PRECISE float above = round(w * ((f.depth - held.nearest) / held.epsilon) * scale);
     float high = floor(above / PART);
     held.high += int(high) & kept;
     held.low += int(above - high * PART) & kept;

@@ -1,6 +1,7 @@
 // The shading model (docs/numerics.md, "Light").
+#include "lib/precise.glsl"
 
-float power(float x, float shininess)
+PRECISE float power(float x, float shininess)
 {
     if (SQUARINGS > 16)
         return x > 0 ? pow(x, shininess) : 0;
@@ -9,7 +10,7 @@ float power(float x, float shininess)
     return x;
 }
 
-vec3 camera_point(vec2 pixel, float depth)
+PRECISE vec3 camera_point(vec2 pixel, float depth)
 {
     vec2 d = (pixel - vec2(frame.center[0], frame.center[1])) *
              vec2(frame.inv_focal[0], frame.inv_focal[1]);
@@ -17,17 +18,17 @@ vec3 camera_point(vec2 pixel, float depth)
 }
 
 // A light on the surface itself gives no direction: no diffuse term, as in the reference.
-vec3 unit_or_zero(vec3 v)
+PRECISE vec3 unit_or_zero(vec3 v)
 {
-    float length2 = dot(v, v);
+    PRECISE float length2 = inner(v, v);
     return length2 > 0 ? v * inversesqrt(length2) : vec3(0);
 }
 
 // The sum over lights.
-vec3 lights_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
+PRECISE vec3 lights_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
 {
     vec3 color = vec3(0);
-    vec3 view = LOCAL_VIEWER && !ORTHOGRAPHIC ? -normalize(p) : vec3(0, 0, -1);
+    vec3 view = LOCAL_VIEWER && !ORTHOGRAPHIC ? -unit_or_zero(p) : vec3(0, 0, -1);
     for (uint i = 0; i < frame.light_count; i++) {
         vec3 at = vec3(frame.lights[i].position[0], frame.lights[i].position[1],
                        frame.lights[i].position[2]);
@@ -35,9 +36,9 @@ vec3 lights_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
                           frame.lights[i].color[2]);
         vec3 l = frame.lights[i].positional != 0 ? unit_or_zero(at - p) : at;
         vec3 h = l + view;
-        float length2 = dot(h, h);
-        float c = length2 > 0 ? max(0, dot(n, h) * inversesqrt(length2)) : 0;
-        color += light * (albedo * (m.ambient + m.diffuse * max(0, dot(n, l))) +
+        PRECISE float length2 = inner(h, h);
+        PRECISE float c = length2 > 0 ? max(0, inner(n, h) * inversesqrt(length2)) : 0;
+        color += light * (albedo * (m.ambient + m.diffuse * max(0, inner(n, l))) +
                           m.specular * power(c, m.shininess));
     }
     return color;
@@ -49,21 +50,21 @@ void cube_place(vec3 n, out uint corner, out vec2 part)
     vec3 a = abs(n);
     float most = max(a.x, max(a.y, a.z));
     uint axis = a.x == most ? 0 : a.y == most ? 1 : 2;
-    vec2 at = (axis == 0 ? n.yz : axis == 1 ? n.zx : n.xy) / most;
+    PRECISE vec2 at = (axis == 0 ? n.yz : axis == 1 ? n.zx : n.xy) / most;
     uint face = 2 * axis + (n[axis] < 0 ? 1 : 0);
-    vec2 place = (at + 1) * (0.5 * (STP_LIGHT_CUBE - 1)), low = min(floor(place), float(STP_LIGHT_CUBE - 2));
+    PRECISE vec2 place = (at + 1) * (0.5 * (STP_LIGHT_CUBE - 1)), low = min(floor(place), float(STP_LIGHT_CUBE - 2));
     corner = (face * STP_LIGHT_CUBE + uint(low.y)) * STP_LIGHT_CUBE + uint(low.x);
     part = place - low;
 }
 
-vec3 cube_read(uint corner, vec2 part, uint term)
+PRECISE vec3 cube_read(uint corner, vec2 part, uint term)
 {
-    vec3 a = mix(frame.light_cube.v[2 * corner + term], frame.light_cube.v[2 * corner + 2 + term], part.x);
+    vec3 a = between(frame.light_cube.v[2 * corner + term], frame.light_cube.v[2 * corner + 2 + term], part.x);
     uint below = 2 * (corner + STP_LIGHT_CUBE) + term;
-    return mix(a, mix(frame.light_cube.v[below], frame.light_cube.v[below + 2], part.x), part.y);
+    return between(a, between(frame.light_cube.v[below], frame.light_cube.v[below + 2], part.x), part.y);
 }
 
-vec3 cube_light(MaterialData m, vec3 albedo, vec3 n)
+PRECISE vec3 cube_light(MaterialData m, vec3 albedo, vec3 n)
 {
     uint corner;
     vec2 part;
@@ -75,7 +76,7 @@ vec3 cube_light(MaterialData m, vec3 albedo, vec3 n)
            m.specular * cube_read(corner, part, 1);
 }
 
-vec3 shade_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
+PRECISE vec3 shade_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
 {
     if (HEAD_LIGHT && !LOCAL_VIEWER) {
         float c = max(0, -n.z);
@@ -86,13 +87,13 @@ vec3 shade_at(MaterialData m, vec3 albedo, vec3 n, vec3 p)
     return lights_at(m, albedo, n, p);
 }
 
-vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)
+PRECISE vec3 shade(MaterialData m, vec3 albedo, vec3 n, vec2 pixel, float depth)
 {
     return shade_at(m, albedo, n, camera_point(pixel, depth));
 }
 
 // One fragment of a splat; at: its sample, in the picture.
-vec3 shade_fragment(uint id, vec3 n, vec2 at, float depth)
+PRECISE vec3 shade_fragment(uint id, vec3 n, vec2 at, float depth)
 {
     uint object = HAS_OBJECTS ? floatBitsToUint(frame.splats.v[2 * id + 1].w) >> 8 : 0;
     MaterialData m = material_at(object);

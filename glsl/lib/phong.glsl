@@ -14,7 +14,7 @@ struct Phong {
 void phong_disc(vec3 normal, float radius, inout Phong e)
 {
     e.u = normalize(abs(normal.x) < 0.7 ? vec3(0, normal.z, -normal.y) : vec3(-normal.z, 0, normal.x));
-    e.v = cross(normal, e.u);
+    e.v = across(normal, e.u);
     e.radius = vec2(radius);
 }
 
@@ -31,7 +31,7 @@ void clip_load(uint id, inout Phong e)
 // Of one line, the other keeps all, and both must.
 bool clip_keeps(Phong e, vec2 st)
 {
-    float first = dot(e.clip[0], vec3(st, 1)), second = dot(e.clip[1], vec3(st, 1));
+    PRECISE float first = inner(e.clip[0], vec3(st, 1)), second = inner(e.clip[1], vec3(st, 1));
     return (e.reflex ? max(first, second) : min(first, second)) >= 0;
 }
 
@@ -43,7 +43,7 @@ Phong phong_load(uint id, vec3 normal, vec3 turned, float side)
     PRECISE vec3 u = vec3(r[0] * d.u.x + r[1] * d.u.y + r[2] * d.u.z,
                           r[3] * d.u.x + r[4] * d.u.y + r[5] * d.u.z,
                           r[6] * d.u.x + r[7] * d.u.y + r[8] * d.u.z);
-    PRECISE vec3 v = side * cross(turned, u);
+    PRECISE vec3 v = side * across(turned, u);
     Phong e;
     e.u = u;
     e.v = v;
@@ -75,10 +75,10 @@ bool phong_faces(uint id, vec3 normal, REAL3 towards)
 void phong_columns(Phong e, vec2 direction, float scale, out vec2 first, out vec2 second)
 {
     vec3 d = vec3(direction, 1);
-    PRECISE vec2 across_v = cross(e.v, d).xy, across_u = cross(d, e.u).xy;
+    PRECISE vec2 of_v = across(e.v, d).xy, of_u = across(d, e.u).xy;
     PRECISE vec2 k = e.side * scale / e.radius;
-    PRECISE vec2 x = vec2(across_v.x, across_u.x) * k * frame.inv_focal[0];
-    PRECISE vec2 y = vec2(across_v.y, across_u.y) * k * frame.inv_focal[1];
+    PRECISE vec2 x = vec2(of_v.x, of_u.x) * k * frame.inv_focal[0];
+    PRECISE vec2 y = vec2(of_v.y, of_u.y) * k * frame.inv_focal[1];
     first = x;
     second = y;
 }
@@ -88,10 +88,11 @@ void phong_columns(Phong e, vec2 direction, float scale, out vec2 first, out vec
 vec4 phong_floored(vec2 first, vec2 second, vec2 major, float values_major, float values_minor,
                    float turn, float det)
 {
-    PRECISE vec2 image = turn * normalize(first * major.x + second * major.y);
+    PRECISE vec2 along = first * major.x + second * major.y;
+    PRECISE vec2 image = along * (turn * inversesqrt(inner(along, along)));
     vec2 beside = sign(det) * vec2(-image.y, image.x);
     PRECISE vec2 column = values_major * major.x * image - values_minor * major.y * beside;
-    PRECISE float ratio = sign(det) * values_major * values_minor / dot(column, column);
+    PRECISE float ratio = sign(det) * values_major * values_minor / inner(column, column);
     return vec4(column, vec2(-column.y, column.x) * ratio);
 }
 
@@ -99,8 +100,9 @@ vec3 phong_normal(Phong e, vec3 turned, vec2 st)
 {
     PRECISE vec3 n =
         turned + e.side * ((e.field.x + e.field.y * st.x) * e.u + (e.field.z + e.field.w * st.y) * e.v);
-    float l = dot(n, n);
-    return l >= 1e-12 ? n * inversesqrt(l) : turned;
+    PRECISE float l = inner(n, n);
+    PRECISE vec3 unit = n * inversesqrt(l);
+    return l >= 1e-12 ? unit : turned;
 }
 
 // Half the splat's extent along the axes of the camera frame.

@@ -2,10 +2,11 @@
 #define POINTS_GLSL
 // Points of 16 bytes (MKC 3.1): position relative to the origin, octahedral normal. Fetched as texels,
 // which a CPU device loads by the vector, eight points at once, where addresses go one by one.
+#include "lib/precise.glsl"
 layout(set = 0, binding = STP_BINDING_POINTS) uniform usamplerBuffer point_texels;
 
 // Of any length.
-vec3 octahedral_unfold(uint u)
+PRECISE vec3 octahedral_unfold(uint u)
 {
     vec2 o = unpackSnorm2x16(u);
     vec3 n = vec3(o, 1 - abs(o.x) - abs(o.y));
@@ -32,7 +33,7 @@ uint octahedral_encode(vec3 n)
 
 // Of the sample's cell: every pixel's owner of a point is the one whose sample is nearest, as far as
 // that is the same offset in every pixel.
-vec2 sample_shift()
+PRECISE vec2 sample_shift()
 {
     vec2 cell = vec2(push_sample % SAMPLE_GRID, push_sample / SAMPLE_GRID);
     return (cell + 0.5) / float(SAMPLE_GRID) - 0.5;
@@ -83,7 +84,7 @@ vec3 point_normal(uvec4 t, out float away)
     vec3 n = octahedral_unfold(t.w);
     if (HAS_UNKNOWN && t.w == STP_NO_NORMAL)
         n = -sight;
-    PRECISE float along = dot(n, sight);
+    PRECISE float along = inner(n, sight);
     away = along;
     return n;
 }

@@ -141,21 +141,21 @@ bool disc_miss(Texel t, vec2 q, out float depth, out float away2, out float reac
     float unit = ORTHOGRAPHIC ? 1 : t.depth;
     PRECISE float least = frame.pyramid_floor * min(inverse.x, inverse.y) * unit; // half the floor, scene units
     PRECISE float radius = max(t.radius, least), slope = least / radius;
-    PRECISE vec3 view = ray * inversesqrt(dot(ray, ray)), n = t.normal;
-    PRECISE float facing = dot(n, view);
+    PRECISE vec3 view = ray * inversesqrt(inner(ray, ray)), n = t.normal;
+    PRECISE float facing = inner(n, view);
     if (FLOOR && abs(facing) < slope) {
         PRECISE vec3 along = n - facing * view;
         float flat_ = facing < 0 ? -slope : slope;
-        n = flat_ * view + along * (sqrt(1 - slope * slope) * inversesqrt(max(dot(along, along), 1e-20)));
+        n = flat_ * view + along * (sqrt(1 - slope * slope) * inversesqrt(max(inner(along, along), 1e-20)));
     }
-    PRECISE float g = dot(n, ray), rise = n.x * d.x + n.y * d.y, den = ORTHOGRAPHIC ? g : g + rise;
+    PRECISE float g = inner(n, ray), rise = n.x * d.x + n.y * d.y, den = ORTHOGRAPHIC ? g : g + rise;
     PRECISE vec3 v = (g * vec3(d, 0) - ray * rise) * (unit / den);
     PRECISE float plane = t.depth - unit * rise / den;
     depth = plane;
     bool meets = den * g > 0;
     reach = radius;
-    away2 = meets ? dot(v, v) : NOTHING;
-    return meets && dot(v, v) <= radius * radius;
+    away2 = meets ? inner(v, v) : NOTHING;
+    return meets && inner(v, v) <= radius * radius;
 }
 
 bool disc_hit(Texel t, vec2 q, out float depth)

@@ -58,10 +58,15 @@ uint word_bits(uvec2 word, ivec4 box)
     return (row * 0x01010101u) & rows;
 }
 
+// OPEN_GROWS: threads of the same dispatch open pixels.
 uint open_bits(uvec2 word, ivec4 box)
 {
     uint block = word.y / 2 * (frame.grid_width / STP_BLOCK) + word.x;
+#ifdef OPEN_GROWS
+    return ATOMIC_LOAD(frame.work.v[open_word(block, word.y % 2)]) & word_bits(word, box);
+#else
     return frame.work.v[open_word(block, word.y % 2)] & word_bits(word, box);
+#endif
 }
 
 // The disc at an empty pixel; `crowd`: it stands for others of its pixel, whose centres may lie so much
@@ -69,7 +74,7 @@ uint open_bits(uvec2 word, ivec4 box)
 bool rim_hit(Texel t, float crowd, vec2 q, out float depth)
 {
     PRECISE vec2 d = t.center - q;
-    PRECISE float away = length(d);
+    PRECISE float away = sqrt(inner(d, d));
     PRECISE vec2 at = q + d * (min(crowd, away) / max(away, 1e-6));
     bool hit = disc_hit(t, at, depth);
     return hit && depth >= frame.near_depth && depth <= frame.far_depth;

@@ -1,13 +1,7 @@
 // A splat on the screen (docs/numerics.md). Camera frame: x right, y down, z forward.
 
 #include "lib/sample.glsl"
-
-// Where two modules must find the same bits of a depth: nothing is contracted or reordered.
-#ifdef SAME_BITS
-#define PRECISE precise
-#else
-#define PRECISE
-#endif
+#include "lib/precise.glsl"
 
 // A point of the picture: whole pixels and a fraction, so that offsets keep their precision.
 struct Place {
@@ -111,7 +105,7 @@ bool splat_load(uint id, out Splat s)
     s.tag = floatBitsToUint(b.w);
     bool unknown = HAS_UNKNOWN && b.x == 0 && b.y == 0 && b.z == 0;
     if (unknown)
-        s.normal = ORTHOGRAPHIC ? vec3(0, 0, -1) : -normalize(s.center);
+        s.normal = ORTHOGRAPHIC ? vec3(0, 0, -1) : s.center * -inversesqrt(inner(s.center, s.center));
     // Which side is seen, from what was given: a rotated normal has been rounded once more.
     PRECISE REAL3 eye = REAL3(FRAME(eye)[0], FRAME(eye)[1], FRAME(eye)[2]);
     PRECISE REAL3 sight = ORTHOGRAPHIC ? eye : REAL3(a.xyz) - eye;
@@ -156,7 +150,7 @@ float form_major(Form q, out vec2 axis)
     PRECISE float mean = 0.5 * (q.a + q.c), half_ = 0.5 * (q.a - q.c);
     PRECISE float spread = sqrt(half_ * half_ + q.b * q.b);
     PRECISE vec2 along = half_ >= 0 ? vec2(half_ + spread, q.b) : vec2(q.b, spread - half_);
-    PRECISE float l = dot(along, along), major = mean + spread;
+    PRECISE float l = inner(along, along), major = mean + spread;
     axis = l > 0 ? along * inversesqrt(l) : vec2(1, 0);
     return major;
 }
@@ -167,10 +161,10 @@ Form form_ellipse(Splat s, out vec2 first, out vec2 second)
     float scale = ORTHOGRAPHIC ? 1 : s.center.z;
     vec2 d = ORTHOGRAPHIC ? vec2(0) : splat_direction(s);
     phong_columns(s.phong, d, scale, first, second);
-    PRECISE float g = dot(s.normal.xy, d) + s.normal.z;
+    PRECISE float g = inner(s.normal.xy, d) + s.normal.z;
     PRECISE float area = scale / s.phong.radius.x * (scale / s.phong.radius.y);
     PRECISE float root = area * frame.inv_focal[0] * frame.inv_focal[1] * g;
-    PRECISE Form q = Form(dot(first, first), dot(first, second), dot(second, second), root);
+    PRECISE Form q = Form(inner(first, first), inner(first, second), inner(second, second), root);
     return q;
 }
 
@@ -185,10 +179,10 @@ Form form_exact(Splat s)
         q = Form(square.x, k * n.x * n.y, square.y, k * i.x * i.y * s.normal.z);
     } else {
         vec2 d = splat_direction(s);
-        float alpha = s.center.z / s.radius, g = dot(s.normal.xy, d) + s.normal.z;
+        float alpha = s.center.z / s.radius, g = inner(s.normal.xy, d) + s.normal.z;
         alpha *= alpha;
         vec2 m = g * i - d * n, square = alpha * (m * m + n * n * (1 + d.yx * d.yx));
-        float cross_ = n.x * n.y * (dot(d, d) + 1) - g * (n.x * d.y * i.y + n.y * d.x * i.x);
+        float cross_ = n.x * n.y * (inner(d, d) + 1) - g * (n.x * d.y * i.y + n.y * d.x * i.x);
         q = Form(square.x, alpha * cross_, square.y, alpha * i.x * i.y * g);
     }
     return q;
@@ -202,7 +196,7 @@ Footprint footprint_plane(Splat s)
     f.p = s.place;
     f.zc = s.center.z;
     f.reach = 1.0 / 0.0;
-    f.g = ORTHOGRAPHIC ? s.normal.z : dot(s.normal.xy, splat_direction(s)) + s.normal.z;
+    f.g = ORTHOGRAPHIC ? s.normal.z : inner(s.normal.xy, splat_direction(s)) + s.normal.z;
     f.ab = ORTHOGRAPHIC ? vec2(0) : n;
     f.h = ORTHOGRAPHIC ? -n : -s.center.z * n;
     return f;
@@ -220,7 +214,7 @@ bool footprint_floor(Splat s, Form q, vec2 first, vec2 second, inout Footprint f
     if (!(major > least * g2) || s.center.z < frame.near_depth)
         return false;
     vec2 d = splat_direction(s);
-    PRECISE float view2 = ORTHOGRAPHIC ? 1 : dot(d, d) + 1;
+    PRECISE float view2 = ORTHOGRAPHIC ? 1 : inner(d, d) + 1;
     bool across = g2 > 1e-14 * view2; // not edge-on
     f.h = across ? f.h / f.g : vec2(0);
     if (PHONG != 0)
@@ -294,14 +288,16 @@ bool clipped_hit(Splat s, uvec2 pixel, out Fragment fragment)
     vec2 c = vec2(frame.center[0], frame.center[1]);
     vec2 inv = vec2(frame.inv_focal[0], frame.inv_focal[1]);
     PRECISE vec3 ray = vec3((vec2(pixel) + sample_part(pixel) - c) * inv, 1);
-    PRECISE float depth = dot(s.normal, s.center) / dot(s.normal, ray);
+    PRECISE float depth = inner(s.normal, s.center) / inner(s.normal, ray);
     PRECISE vec3 v = depth * ray - s.center;
     if (PHONG != 0) {
-        PRECISE vec2 st = vec2(dot(v, s.phong.u), dot(v, s.phong.v)) / s.phong.radius;
-        fragment = Fragment(dot(st, st), depth, st);
+        PRECISE vec2 st = vec2(inner(v, s.phong.u), inner(v, s.phong.v)) / s.phong.radius;
+        PRECISE float rho2 = inner(st, st);
+        fragment = Fragment(rho2, depth, st);
     } else {
         PRECISE vec3 w = v / s.radius;
-        fragment = Fragment(dot(w, w), depth, vec2(0));
+        PRECISE float rho2 = inner(w, w);
+        fragment = Fragment(rho2, depth, vec2(0));
     }
     return fragment.rho2 <= 1 && fragment_seen(s.phong, fragment);
 }
@@ -314,7 +310,7 @@ vec3 fragment_normal(Splat s, Fragment f)
     return phong_normal(s.phong, s.normal, f.st);
 }
 
-float kernel_weight(float rho2)
+PRECISE float kernel_weight(float rho2)
 {
     return GAUSS ? exp(-2 * rho2) : max(0, 1 - rho2);
 }

@@ -109,7 +109,7 @@ bool advance(uint pixel)
 uint list_place(uint pixel)
 {
     uint word = list_block(pixel / STP_GROUP);
-    if (frame.work.v[word] == STP_LIST_NONE)
+    if (ATOMIC_LOAD(frame.work.v[word]) == STP_LIST_NONE) // other threads add to it meanwhile
         return STP_LIST_NONE;
     return atomicAdd(frame.work.v[word], frame.counts.v[pixel]);
 }

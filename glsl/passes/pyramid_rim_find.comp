@@ -7,6 +7,7 @@
 #include "lib/splat.glsl"
 #include "lib/pixel.glsl"
 #define ATTRIBUTES 0
+#define OPEN_GROWS
 #include "lib/pyramid.glsl"
 #include "lib/discs.glsl"
 #include "lib/rim.glsl"
@@ -22,13 +23,14 @@ void open_bare(uvec2 block, uint index)
     list_open(index, uvec2(upper ? word_bits(word, box) : 0, lower ? word_bits(word + uvec2(0, 1), box) : 0));
 }
 
-// What the flags of these blocks are, together; those that are bare become open.
+// What the flags of these blocks are, together; those that are bare become open. Other threads set flags
+// meanwhile.
 uint visit_blocks(ivec4 b)
 {
     uint flags = 0, columns = frame.grid_width / STP_BLOCK;
     for (int y = b.y; y <= b.w; y++)
         for (int x = b.x; x <= b.z; x++) {
-            uint index = uint(y) * columns + uint(x), f = frame.work.v[STP_WORK_FLAGS + index];
+            uint index = uint(y) * columns + uint(x), f = ATOMIC_LOAD(frame.work.v[STP_WORK_FLAGS + index]);
             flags |= f;
             if ((f & (STP_BLOCK_BARE | STP_BLOCK_OPEN)) == STP_BLOCK_BARE)
                 open_bare(uvec2(x, y), index);

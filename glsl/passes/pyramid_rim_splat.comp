@@ -46,7 +46,8 @@ bool point_of(uint index, uint argument, uint slot, out Texel t, out uint id)
     uvec4 point = texelFetch(point_texels, int(from));
     float depth = point_place(uintBitsToFloat(point.xyz), place);
     t = point_disc(from, point, depth, place);
-    t.normal = normalize(t.normal);
+    PRECISE vec3 unit = t.normal * inversesqrt(inner(t.normal, t.normal));
+    t.normal = unit;
     id = push_first + from;
     return there;
 }

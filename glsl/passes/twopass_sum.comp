@@ -20,7 +20,8 @@ uint splat_encode(uint id, Splat s)
 
 void sums_add(uint at, float value, float scale)
 {
-    uint64_t v = uint64_t(int64_t(round(value * scale)));
+    PRECISE float whole = round(value * scale);
+    uint64_t v = uint64_t(int64_t(whole));
 #ifdef WITH_ATOMIC64
     atomicAdd(sums_buffer().v[at], v);
 #else
@@ -34,7 +35,7 @@ void sums_add(uint at, float value, float scale)
 }
 
 // Of a fragment, its light too where splats are shaded.
-vec3 fragment_color(uint pixel, uint id, vec3 n, Fragment f)
+PRECISE vec3 fragment_color(uint pixel, uint id, vec3 n, Fragment f)
 {
     if (SHADE != 1)
         return frame.colors.v[id];
@@ -52,12 +53,13 @@ void fragment_emit(uint pixel, uint id, Splat s, Fragment f, uint encoded)
     if (f.depth > nearest + epsilon || peel_other(pixel, id, f.depth, uint(first)))
         return;
     vec3 n = fragment_normal(s, f);
-    float w = kernel_weight(f.rho2), scale = frame.sum_scale;
+    PRECISE float w = kernel_weight(f.rho2), scale = frame.sum_scale;
+    PRECISE float above = w * ((f.depth - nearest) / epsilon);
     sums_add(sums_at(pixel, 1), w, scale);
     sums_add(sums_at(pixel, 2), w * n.x, scale);
     sums_add(sums_at(pixel, 3), w * n.y, scale);
     sums_add(sums_at(pixel, 4), w * n.z, scale);
-    sums_add(sums_at(pixel, 5), w * ((f.depth - nearest) / epsilon), scale);
+    sums_add(sums_at(pixel, 5), above, scale);
     if (HAS_COLOR || SHADE == 1) {
         vec3 c = fragment_color(pixel, id, n, f);
         sums_add(sums_at(pixel, 6), w * c.x, frame.color_scale);

@@ -178,7 +178,7 @@ struct stp_host_image {
 struct stp_targets {
     struct stp_host_image color;
     struct stp_host_image depth;  /* view VK_NULL_HANDLE: as if there were none */
-    int32_t x, y;                 /* where the picture's top-left pixel goes */
+    int32_t x, y;                 /* where the picture's top-left pixel goes: anywhere */
     uint32_t width, height;       /* of the images: nothing is written outside */
     double depth_near, depth_far; /* of the host's projection, not the camera's; far may be
                                      INFINITY. 0 < near < far; orthographic: near < far */

@@ -94,26 +94,29 @@ static void depth_convention(const struct stp_plan *plan, const struct pass_host
     push->push_none = host->depth_reversed ? 0 : 1;
 }
 
-static int32_t most(int32_t a, int32_t b)
+static int64_t most(int64_t a, int64_t b)
 {
     return a > b ? a : b;
 }
 
-static int32_t least(int32_t a, int32_t b)
+static int64_t least(int64_t a, int64_t b)
 {
     return a < b ? a : b;
 }
 
-/* A part of the picture in the host's image; empty where nothing of it is inside. */
+/* A part of the picture in the host's image; empty where nothing of it is inside. The picture may
+ * lie anywhere: sums of its corner and its size may exceed 32 bits, and no end of an area may
+ * exceed 31. */
 static VkRect2D inside(uint32_t left, uint32_t top, uint32_t right, uint32_t bottom,
                        const struct stp_targets *targets)
 {
-    int32_t x = most(targets->x + (int32_t)left, 0), y = most(targets->y + (int32_t)top, 0);
-    int32_t end_x = least(targets->x + (int32_t)right, (int32_t)targets->width);
-    int32_t end_y = least(targets->y + (int32_t)bottom, (int32_t)targets->height);
+    int64_t x = most((int64_t)targets->x + left, 0), y = most((int64_t)targets->y + top, 0);
+    int64_t end_x = least((int64_t)targets->x + right, least(targets->width, INT32_MAX));
+    int64_t end_y = least((int64_t)targets->y + bottom, least(targets->height, INT32_MAX));
     if (x >= end_x || y >= end_y)
         return (VkRect2D){ 0 };
-    return (VkRect2D){ { x, y }, { (uint32_t)(end_x - x), (uint32_t)(end_y - y) } };
+    return (VkRect2D){ { (int32_t)x, (int32_t)y },
+                       { (uint32_t)(end_x - x), (uint32_t)(end_y - y) } };
 }
 
 static VkRect2D tile_inside(const struct plan_tile *tile, const struct stp_targets *targets)

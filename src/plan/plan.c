@@ -8,7 +8,8 @@
 #include "scene/camera.h"
 #include "scene/scene.h"
 
-#define MOST_SPLATS (UINT32_MAX / 3) /* a draw counts three vertices a splat */
+#define MOST_SPLATS                                                                                \
+    (INT32_MAX / 3) /* gl_VertexIndex is an int, and a draw has three vertices a splat */
 
 /* What a caller casts or leaves uninitialised must not index a table. */
 static enum stp_result check_choices(const struct stp_env *env, const struct stp_render_params *p)
@@ -67,7 +68,7 @@ enum stp_result plan_check(const struct stp_env *env, const struct stp_scene *sc
         return result;
     size_t splats = scene->stream ? scene->facts.splats : scene->splats.count;
     if (splats > MOST_SPLATS)
-        return log_error(env, STP_ERROR_ARGUMENT, "%zu splats: at most %u", splats, MOST_SPLATS);
+        return log_error(env, STP_ERROR_ARGUMENT, "%zu splats: at most %d", splats, MOST_SPLATS);
     if (params->method != STP_METHOD_PYRAMID)
         return scene_check_whole(env, scene, "this method");
     if (params->aovs & STP_AOV_ID)

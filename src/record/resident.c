@@ -158,7 +158,8 @@ static void make_visible(struct stp_resident *resident, VkCommandBuffer commands
     resident->context->vk.vkCmdPipelineBarrier2(commands, &info);
 }
 
-/* One half of handing the copied buffers from one queue family to another. */
+/* One half of handing the copied buffers from one queue family to another. The acquire's first
+ * scope is all commands, so that it chains with whatever stage the host's semaphore waits at. */
 static void hand_over(struct stp_resident *resident, VkCommandBuffer commands, uint32_t from,
                       bool release)
 {
@@ -166,8 +167,9 @@ static void hand_over(struct stp_resident *resident, VkCommandBuffer commands, u
     for (uint32_t i = 0; i < resident->copies; i++)
         barriers[i] =
             (VkBufferMemoryBarrier2){ .sType = VK_STRUCTURE_TYPE_BUFFER_MEMORY_BARRIER_2,
-                                      .srcStageMask =
-                                          release ? VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT : 0,
+                                      .srcStageMask = release
+                                                          ? VK_PIPELINE_STAGE_2_ALL_TRANSFER_BIT
+                                                          : VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT,
                                       .srcAccessMask = release ? VK_ACCESS_2_TRANSFER_WRITE_BIT : 0,
                                       .dstStageMask = release ? 0 : RECORD_HOST_STAGES,
                                       .dstAccessMask = release ? 0 : VK_ACCESS_2_MEMORY_READ_BIT,

@@ -7,13 +7,12 @@
 #include "base/memory.h"
 
 /* One picture over black; the texels of the colour target. */
-static float *embedded(struct stage *s, const struct stp_plan *plan,
-                       const struct stp_resident *resident,
-                       const struct stp_host_frame_params *params)
+static float *embedded_at(struct stage *s, const struct stp_plan *plan,
+                          const struct stp_resident *resident,
+                          const struct stp_host_frame_params *params, struct stp_targets targets)
 {
     struct engine *e = &s->engine;
     struct stp_frame *frame = stage_frame(e, s->context, plan, params);
-    struct stp_targets targets = stage_targets(s);
     VkCommandBuffer commands = engine_begin(e, 0);
     stage_clear(commands, s, NULL, 0);
     if (stp_frame_record(&e->env, frame, resident, &s->camera, &targets, commands))
@@ -22,6 +21,13 @@ static float *embedded(struct stage *s, const struct stp_plan *plan,
     float *texels = engine_read(e, &s->color, 16);
     stp_frame_destroy(&frame);
     return texels;
+}
+
+static float *embedded(struct stage *s, const struct stp_plan *plan,
+                       const struct stp_resident *resident,
+                       const struct stp_host_frame_params *params)
+{
+    return embedded_at(s, plan, resident, params, stage_targets(s));
 }
 
 static const struct {
@@ -99,6 +105,42 @@ static void test_planes_that_come(void **state)
 
 /* What was recorded with fewer features enabled, or through staging memory, or with the splats in a
  * buffer of the host's, is the same picture as offline with those features masked. */
+/* A picture may lie anywhere: outside of the image nothing is drawn, however far outside. A size
+ * that no int holds bounds nothing. */
+static void test_far_places(void **state)
+{
+    const struct stp_host_frame_params format = { .color_format = VK_FORMAT_R32G32B32A32_SFLOAT };
+    const int32_t place[][2] = { { INT32_MAX, 0 },         { 0, INT32_MAX }, { INT32_MAX - 8, 3 },
+                                 { 3, INT32_MAX - 8 },     { INT32_MIN, 0 }, { 0, INT32_MIN },
+                                 { INT32_MAX, INT32_MIN }, { WIDTH, 0 },     { 0, -HEIGHT } };
+    const uint32_t sizes[] = { (uint32_t)INT32_MAX + 1, UINT32_MAX };
+    static const float nothing[4 * WIDTH * HEIGHT];
+    struct stage s;
+    stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
+    struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &ways[0].params);
+    struct stp_resident *resident = stage_resident(&s.engine, s.context, s.scene, plan, NULL);
+    for (unsigned i = 0; i < sizeof place / sizeof *place; i++) {
+        struct stp_targets targets = stage_targets(&s);
+        targets.x = place[i][0];
+        targets.y = place[i][1];
+        float *texels = embedded_at(&s, plan, resident, &format, targets);
+        assert_memory_equal(texels, nothing, sizeof nothing);
+        free(texels);
+    }
+    struct stp_image *expected = stage_offline(&s.engine, s.scene, &s.camera, &ways[0].params);
+    for (unsigned i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        struct stp_targets targets = stage_targets(&s);
+        targets.width = targets.height = sizes[i];
+        float *texels = embedded_at(&s, plan, resident, &format, targets);
+        stage_same(expected, texels, "a size that no int holds");
+        free(texels);
+    }
+    stp_image_destroy(&expected);
+    stp_resident_destroy(&resident);
+    stp_plan_destroy(&plan);
+    stage_close(&s);
+}
+
 static void test_masked(void **state)
 {
     const struct {
@@ -291,9 +333,13 @@ static void test_record_allocates_nothing(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_same_bits), cmocka_unit_test(test_planes_that_come),
-        cmocka_unit_test(test_masked),    cmocka_unit_test(test_staged),
-        cmocka_unit_test(test_hidden),    cmocka_unit_test(test_record_allocates_nothing),
+        cmocka_unit_test(test_same_bits),
+        cmocka_unit_test(test_planes_that_come),
+        cmocka_unit_test(test_far_places),
+        cmocka_unit_test(test_masked),
+        cmocka_unit_test(test_staged),
+        cmocka_unit_test(test_hidden),
+        cmocka_unit_test(test_record_allocates_nothing),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

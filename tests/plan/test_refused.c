@@ -259,7 +259,7 @@ static void no_splats(struct inputs *in)
 }
 static void too_many_splats(struct inputs *in)
 {
-    in->scene->splats.count = UINT32_MAX / 3 + 1; /* more vertices than a draw can count */
+    in->scene->splats.count = INT32_MAX / 3 + 1; /* gl_VertexIndex would be negative */
 }
 
 static const struct {
@@ -317,7 +317,7 @@ static const struct {
     { little_heap, STP_ERROR_DEVICE_MEMORY, "3000 bytes" },
     { not_prepared, STP_ERROR_ARGUMENT, "prepared" },
     { no_splats, STP_ERROR_ARGUMENT, "splats" },
-    { too_many_splats, STP_ERROR_ARGUMENT, "at most" },
+    { too_many_splats, STP_ERROR_ARGUMENT, "715827883 splats: at most 715827882" },
 };
 
 static void test_refused(void **state)
