@@ -54,7 +54,8 @@ struct Term {
     Traits traits;
     int weight;   // in UNITs, as the rest, which is multiplied with it
     ivec3 normal;
-    ivec4 high, low; // without COLOR_CODES colour in units of color_scale; opacity in ALPHA_UNITs; high: PARTs of them
+    // Opacity in ALPHA_UNITs, and without COLOR_CODES colour in units of color_scale; high: PARTs of them.
+    ivec4 high, low;
 };
 
 struct Sums {
@@ -71,7 +72,7 @@ const Traits TRAITS_NONE = Traits(0, 0);
 const Term TERM_NONE = Term(RANK_NONE, TRAITS_NONE, 0, ivec3(0), ivec4(0), ivec4(0));
 const Sums SUMS_NONE = Sums(SUM(0), SUM(0), SUM3(0), SUM4(0), SUM4(0), 0, 0);
 
-// The normal in 28 bits, and with COLOR_CODES three of 12 for a colour of 0 to 1: 4 above the normal, 32 after.
+// The normal in 28 bits; with COLOR_CODES a colour of 0 to 1 in three of 12, 4 of them above the normal.
 Traits traits_make(uint id, Splat s)
 {
     Traits t = Traits(normal_encode(s.normal), 0);
@@ -113,17 +114,19 @@ Slot slot_make(uint id, Splat s, Fragment f, uint encoded)
 {
     uint opaque = MIXED ? s.tag & STP_TAG_OPAQUE : 0;
     uint word = id | opaque * (SLOT_OPAQUE / STP_TAG_OPAQUE);
-    uint low = TRAITS ? id | opaque * (TRAITS_OPAQUE / STP_TAG_OPAQUE) : PACKED ? fragment_encode(s, f, encoded) : 0;
-    return Slot(PACKED ? key_words(f, low) : unpackUint2x32(key_id(f, word)), word);
+    if (!PACKED)
+        return Slot(unpackUint2x32(key_id(f, word)), word);
+    uint low = TRAITS ? id | opaque * (TRAITS_OPAQUE / STP_TAG_OPAQUE) : fragment_encode(s, f, encoded);
+    return Slot(key_words(f, low), word);
 }
 
 // The word that holds the id, and whether the splat is opaque; the key's lower one where there are no ids.
 uint slot_word(Slot slot)
 {
-    uint low = slot.key.x;
-    if (TRAITS)
-        return MIXED ? (low & TRAITS_OPAQUE - 1) | (low & TRAITS_OPAQUE) * (SLOT_OPAQUE / TRAITS_OPAQUE) : low & 2 * TRAITS_OPAQUE - 1;
-    return SLOT_IDS ? slot.id : low;
+    if (!TRAITS)
+        return SLOT_IDS ? slot.id : slot.key.x;
+    uint id = slot.key.x & TRAITS_OPAQUE - 1, opaque = slot.key.x & TRAITS_OPAQUE;
+    return MIXED ? id | opaque * (SLOT_OPAQUE / TRAITS_OPAQUE) : id;
 }
 
 uint rank_id(Rank rank)

@@ -222,7 +222,7 @@ struct stp_frame_constants {
                                         blocks' lists: record, and the next entry + 1 */
     STP_ADDRESS(Uint64Ref, keys);    /* deferred: K a pixel; exact: STP_SLOTS; pyramid: 1 */
     STP_ADDRESS(UintRef, key_ids);   /* exact, packed, with normal fields: ids beside */
-    STP_ADDRESS(Uint64Ref, traits);   /* exact, packed, of a splat: its normal, and its colour's code */
+    STP_ADDRESS(Uint64Ref, traits);  /* exact, packed, of a splat: lib/terms.glsl:traits_make */
     STP_ADDRESS(UintRef, counts);    /* exact: fragments a pixel; axis: where blocks begin */
     STP_ADDRESS(UintRef, nearest);   /* two-pass: depth bits a pixel; Voronoi exact: K a pixel */
     STP_ADDRESS(Uint64Ref, sums);    /* two-pass: lib/sums.glsl says how many a pixel */
