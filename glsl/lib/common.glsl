@@ -90,7 +90,7 @@ layout(constant_id = PLAN_CULL_CLUSTERS) const bool CULL_CLUSTERS = false; // py
 layout(constant_id = PLAN_RIM_FAR) const bool RIM_FAR = false; // discs reach beyond the pixels beside their own
 layout(constant_id = PLAN_CUTS) const bool CUTS = true; // near or far may cut a splat
 layout(constant_id = PLAN_BINS) const bool BINS = false; // large splats are drawn block by block
-layout(constant_id = PLAN_COLOR_CODES) const bool COLOR_CODES = false; // exact: colours are summed as codes
+layout(constant_id = PLAN_COLOR_CODES) const bool COLOR_CODES = false; // exact: colours are summed as integers of 12 bits
 const uint SAMPLES = SAMPLE_GRID * SAMPLE_GRID;
 
 // Words of a pixel in out_id: id, fragments; with samples also which sample was nearest, and hits.

@@ -113,7 +113,7 @@ Surface sums_surface(Sums sums, Rank near, float epsilon)
 }
 
 // The pixel has more fragments than slots: exact_arm then sends the repair passes, and
-// exact_collect traits for its block.
+// exact_collect looks for its block.
 bool slots_overflowed(uint pixel, uint count)
 {
     if (count <= STP_SLOTS)

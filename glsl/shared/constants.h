@@ -44,7 +44,7 @@
 #define PLAN_RIM_FAR       38 /* pyramid: discs reach beyond the pixels beside their own */
 #define PLAN_CUTS          39 /* near or far may cut a splat: of this view, or of one to come */
 #define PLAN_BINS          40 /* two-pass: large splats are drawn block by block */
-#define PLAN_COLOR_CODES   41 /* exact: colours are summed as codes of 32 bits */
+#define PLAN_COLOR_CODES   41 /* exact: colours are summed as integers of 12 bits */
 #define PLAN_CONSTANTS     42
 
 #endif

@@ -105,7 +105,7 @@
 #define STP_BINDING_PROJECTED  14
 #define STP_BINDING_ORDER      15
 #define STP_BINDING_CLUSTERS   16
-#define STP_BINDING_TRAITS      17
+#define STP_BINDING_TRAITS     17
 #define STP_ID_WORDS           4 /* of out_id a pixel, with several samples; else 2; layers apart */
 #define STP_DEEP_WINDOW        16 /* layers of a pixel that are kept at once: RECORD_TURNS */
 #define STP_DEEP_FLOATS        5

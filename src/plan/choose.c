@@ -137,7 +137,7 @@ static enum stp_result choose_voronoi(const struct stp_env *env, struct stp_plan
     return STP_OK;
 }
 
-/* 32 bits hold colours of 0 to 1; a normal field needs the place where they are kept. */
+/* Traits hold colours of 0 to 1, and splats with normal fields have none (glsl/lib/terms.glsl). */
 static bool codes_colors(const struct stp_facts *facts)
 {
     return facts->has_color && facts->color_min >= 0 && facts->color_max <= 1 && !facts->phong;

@@ -13,14 +13,14 @@ enum stp_result yardstick_make(const struct stp_env *env, struct stp_context *co
     double unused;
     *yardstick = (struct yardstick){ .scene = scene };
     enum stp_result result = stp_plan_create(&silent, scene, camera, NULL, &context->limits, &plan);
-    bool none = result == STP_ERROR_FEATURE || result == STP_ERROR_ARGUMENT;
-    if (result == STP_OK && plan->method != STP_METHOD_REFERENCE)
+    if (result == STP_ERROR_FEATURE || result == STP_ERROR_ARGUMENT)
+        return STP_OK; /* without one */
+    bool none = result == STP_OK && plan->method == STP_METHOD_REFERENCE;
+    if (result == STP_OK && !none)
         result = record_frame_create(env, context, plan, &yardstick->frame);
-    else
+    if (result != STP_OK || none) {
         stp_plan_destroy(&plan);
-    if (!plan || result != STP_OK) {
-        stp_plan_destroy(&plan);
-        return none ? STP_OK : result;
+        return result;
     }
     yardstick->plan = plan;
     result = record_upload(env, &yardstick->frame, scene);

@@ -122,6 +122,16 @@ static float *picture(struct stage *s, struct stp_frame *frame, const struct stp
     return engine_read(&s->engine, &s->color, 16);
 }
 
+/* A context whose memory is the host's, counted. */
+static struct stp_context *import_counted(struct stage *s, struct stp_import import,
+                                          struct counting *counting)
+{
+    struct stp_context *context = NULL;
+    import.allocator = (struct stp_device_allocator){ counting, give, take_back };
+    assert_int_equal(stp_context_import(&s->engine.env, &import, &context), STP_OK);
+    return context;
+}
+
 static const struct stp_host_frame_params floats = { .color_format =
                                                          VK_FORMAT_R32G32B32A32_SFLOAT };
 
@@ -134,10 +144,7 @@ static void test_memory_of_the_host(void **state)
     struct stage s;
     stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
     struct counting counting = { .engine = &s.engine };
-    struct stp_import import = engine_import(&s.engine);
-    struct stp_context *context = NULL;
-    import.allocator = (struct stp_device_allocator){ &counting, give, take_back };
-    assert_int_equal(stp_context_import(&s.engine.env, &import, &context), STP_OK);
+    struct stp_context *context = import_counted(&s, engine_import(&s.engine), &counting);
     for (unsigned i = 0; i < 2; i++) {
         struct stp_plan *plan = stage_plan(&s.engine, context, s.scene, &s.camera, &ways[i]);
         struct stp_resident *resident = stage_resident(&s.engine, context, s.scene, plan, NULL);
@@ -202,10 +209,8 @@ static void test_small_allocations(void **state)
     stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
     struct counting counting = { .engine = &s.engine };
     struct stp_import import = engine_import(&s.engine);
-    struct stp_context *context = NULL;
     import.get_instance_proc_addr = small_loader;
-    import.allocator = (struct stp_device_allocator){ &counting, give, take_back };
-    assert_int_equal(stp_context_import(&s.engine.env, &import, &context), STP_OK);
+    struct stp_context *context = import_counted(&s, import, &counting);
     assert_true(stp_context_limits(context)->max_allocation == SMALL_ALLOCATION);
     struct stp_plan *plan = stage_plan(&s.engine, s.context, s.scene, &s.camera, &params);
     struct stp_resident *resident = stage_resident(&s.engine, context, s.scene, plan, NULL);
@@ -239,11 +244,9 @@ static void test_not_mapped(void **state)
     stage_open(&s, VK_FORMAT_R32G32B32A32_SFLOAT, VK_FORMAT_D32_SFLOAT, NULL);
     struct counting counting = { .engine = &s.engine, .unmapped = true };
     struct stp_import import = engine_import(&s.engine);
-    struct stp_context *context = NULL;
     struct stp_resident *resident = NULL;
-    import.allocator = (struct stp_device_allocator){ &counting, give, take_back };
     import.mask_features = STP_FEATURE_SHARED_MEMORY; /* so that uploads are staged */
-    assert_int_equal(stp_context_import(&s.engine.env, &import, &context), STP_OK);
+    struct stp_context *context = import_counted(&s, import, &counting);
     struct stp_plan *plan = stage_plan(&s.engine, context, s.scene, &s.camera, &params);
     assert_int_equal(stp_resident_create(&s.engine.env, context, s.scene, plan, NULL, &resident),
                      STP_ERROR_DEVICE);

@@ -6,7 +6,8 @@ the other side of an outline or of an epsilon:
 - FLOAT: 64 roundings of 2^-24. A highlight's 32nd power makes 32 of one, of a colour of 1 at most.
 - PACKED: half a step of 2^-13 in both coordinates of a normal of 28 bits turns it by 2.6e-4 at most, and
   the colour of the default material changes by at most 0.9 of that.
-auto promises a mean error of 1e-4. Deferred at c = 1 reaches 46 to 77 dB on these scenes, whose random
+auto promises a mean error of 1e-4. Of all pixels exact and two-pass keep the project's bars, 70 and 60 dB,
+so that the thousandth is not free either. Deferred at c = 1 reaches 46 to 77 dB on these scenes, whose random
 points crowd more than a scanner's: what is lost shows below 44."""
 import math
 import os
@@ -20,15 +21,15 @@ import command
 
 SIZE = "160x120"
 FLOAT, PACKED = ("p999", 2 ** -18), ("p999", 2 ** -12)
-DEFERRED = ("rmse", 10 ** (-44 / 20))
+AUTO = ("mean_absolute", 1e-4)
 WAYS = [
-    (["--method", "exact"], PACKED),
-    (["--method", "exact", "--payload", "id"], FLOAT),
-    (["--method", "two-pass", "--path", "compute"], FLOAT),
-    (["--method", "two-pass", "--path", "raster"], FLOAT),
-    (["--method", "deferred", "--path", "compute", "--overlap", "1"], DEFERRED),
-    (["--method", "deferred", "--path", "raster", "--overlap", "1"], DEFERRED),
-    (["--method", "auto"], ("mean_absolute", 1e-4)),
+    (["--method", "exact"], 70, PACKED),
+    (["--method", "exact", "--payload", "id"], 70, FLOAT),
+    (["--method", "two-pass", "--path", "compute"], 60, FLOAT),
+    (["--method", "two-pass", "--path", "raster"], 60, FLOAT),
+    (["--method", "deferred", "--path", "compute", "--overlap", "1"], 44, None),
+    (["--method", "deferred", "--path", "raster", "--overlap", "1"], 44, None),
+    (["--method", "auto"], 70, AUTO),
 ]
 
 
@@ -57,13 +58,16 @@ class Pictures(command.CommandTest):
     def against_reference(self, scene, *options):
         self.done("render", scene, "-o", "truth.exr", "--size", SIZE, "--method", "reference",
                   *options)
-        for way, (measure, most) in WAYS:
+        for way, bar, tail in WAYS:
             with self.subTest(scene=scene, way=way):
                 self.done("render", scene, "-o", "seen.exr", "--size", SIZE, "--validate", *way,
                           *options)
                 error = self.done_json("compare", "--json", "seen.exr", "truth.exr")
                 self.assertGreater(error["covered"]["pixels"], 2000)
-                self.assertLessEqual(error["covered"][measure], most)
+                psnr = error["covered"]["psnr"]
+                self.assertTrue(psnr is None or psnr >= bar, (psnr, bar))
+                if tail:
+                    self.assertLessEqual(error["covered"][tail[0]], tail[1])
                 self.assertLessEqual(error["coverage_differs"], 1)
                 subprocess.run(["exrheader", self.path("seen.exr")], check=True,
                                stdout=subprocess.DEVNULL)

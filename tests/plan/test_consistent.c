@@ -208,7 +208,7 @@ static void test_sums_fit(void **state)
         color_inputs(&in);
         in.scene->facts.splats = (size_t)1 << bits;
         in.scene->facts.color_max = 65504;
-        in.limits.heap_bytes = UINT64_C(1) << 33;
+        in.limits.heap_bytes = UINT64_C(1) << 33; /* room is not what is tested */
         struct stp_plan *plan = plan_of(&in);
         double most = (double)in.scene->facts.splats;
         assert_true(most * plan->frame.sum_scale < 0x1p63);
