@@ -1,5 +1,7 @@
-// What resolving passes share: a workgroup a touched block (every block with ALL_BLOCKS), and
-// fragments fetched again by id.
+// What resolving passes share: a workgroup a touched block, and fragments fetched again by id.
+// IN_ROWS: what follows another in the rows of the tile is a block, STP_GROUP pixels, as images and the
+// picture lie in memory; eight rows at once are as many places that a CPU does not foresee, and take twice
+// the time (docs/deferred.md). ALL_BLOCKS: also the untouched.
 #include "lib/pixel.glsl"
 layout(local_size_x = STP_GROUP) in;
 
@@ -17,7 +19,12 @@ bool resolve_pixel(out uvec2 p, out uint pixel)
     uint block = frame.work.v[STP_WORK_FLAGS + count + index];
 #endif
     pixel = block * STP_GROUP + gl_LocalInvocationIndex;
+#ifdef IN_ROWS
+    p = uvec2(pixel % frame.tile_width, pixel / frame.tile_width);
+    return p.y < frame.tile_height;
+#else
     return block_pixel(block, gl_LocalInvocationIndex, p);
+#endif
 }
 
 // The fragment that splat `id` had at this pixel of the tile, by the same arithmetic.

@@ -4,6 +4,7 @@
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #define ALL_BLOCKS
+#define IN_ROWS
 #include "lib/resolve.glsl"
 #include "lib/environment.glsl"
 

@@ -6,7 +6,7 @@
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
 #ifdef FROM_IMAGE
-#define ALL_BLOCKS
+#define IN_ROWS
 #endif
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"

@@ -4,6 +4,7 @@
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #define ALL_BLOCKS
+#define IN_ROWS
 #include "lib/resolve.glsl"
 
 float depth_at(ivec2 p, float none)

@@ -4,6 +4,7 @@
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
 #define ALL_BLOCKS
+#define IN_ROWS
 #include "lib/resolve.glsl"
 layout(set = 0, binding = 1, rg32ui) uniform readonly uimage2DArray nearest_image;
 

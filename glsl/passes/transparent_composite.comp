@@ -5,6 +5,7 @@
 // normal and the rest are the nearest layer's in either, and so is what it bends and mirrors.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
+#define IN_ROWS
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
 #include "lib/transparent.glsl"

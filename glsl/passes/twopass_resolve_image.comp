@@ -4,7 +4,7 @@
 // one more layer.
 #include "lib/common.glsl"
 #include "lib/splat.glsl"
-#define ALL_BLOCKS
+#define IN_ROWS
 #include "lib/resolve.glsl"
 #include "lib/shade.glsl"
 #define RESOLVES

@@ -57,16 +57,10 @@ static void layers(struct stp_plan *plan)
         plan_attaches(plan, pass, PLAN_IMAGE_ID);
         plan_attaches(plan, pass, PLAN_IMAGE_DEPTH);
     }
-    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "composite");
-    pass->shader = PLAN_SHADER_DEFERRED_COMPOSITE_IMAGE;
-    plan_reads(plan, pass, PLAN_SPLATS);
-    plan_reads(plan, pass, PLAN_COLORS);
-    plan_reads(plan, pass, PLAN_MATERIALS);
-    plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
-    plan_reads(plan, pass, PLAN_ENVIRONMENT);
-    plan_reads(plan, pass, PLAN_IMAGE_ID);
-    for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
-        plan_writes(plan, pass, slot);
+    plan_touched(plan, "touched", PLAN_SHADER_TOUCHED);
+    plan_blocks(plan);
+    plan_resolve(plan, "composite", PLAN_SHADER_DEFERRED_COMPOSITE_IMAGE, false,
+                 (enum plan_slot[]){ PLAN_IMAGE_ID, PLAN_SLOTS });
 }
 
 void plan_deferred(struct stp_plan *plan)
@@ -97,8 +91,8 @@ static unsigned candidates(struct plan_candidate candidate[PLAN_MAX_OFFERED])
     return n;
 }
 
-/* Every layer is cleared, and composited where splats are (by the rasteriser everywhere); its
- * separate draws cost a pass each. */
+/* Every layer is cleared, by the rasteriser also looked through for what was touched, and
+ * composited there; its separate draws cost a pass each. */
 static enum plan_cost cost(const struct stp_plan *plan, const struct survey *survey,
                            double amount[PLAN_TERMS])
 {
@@ -106,11 +100,11 @@ static enum plan_cost cost(const struct stp_plan *plan, const struct survey *sur
     bool packed = plan->constant[PLAN_PACKED] != 0;
     plan_common_amounts(plan, survey, amount);
     amount[PLAN_TERM_DEEP] = groups * survey->pixels;
+    amount[PLAN_TERM_OVERFLOW] = groups * survey->touched;
     if (plan->path == STP_PATH_RASTER) {
         amount[PLAN_TERM_FRAME] *= plan->constant[PLAN_LAYERED] ? 1 : groups;
         return packed ? PLAN_COST_DEFERRED_RASTER : PLAN_COST_DEFERRED_RASTER_ID;
     }
-    amount[PLAN_TERM_OVERFLOW] = groups * survey->touched;
     if (plan->voronoi == STP_VORONOI_EXACT)
         return PLAN_COST_DEFERRED_EXACT;
     return packed ? PLAN_COST_DEFERRED_PACKED : PLAN_COST_DEFERRED_ID;

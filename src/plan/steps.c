@@ -236,6 +236,15 @@ void plan_blocks(struct stp_plan *plan)
     plan_updates(plan, pass, PLAN_WORK);
 }
 
+void plan_touched(struct stp_plan *plan, const char *name, enum plan_shader shader)
+{
+    plan_writes(plan, plan_pass(plan, PLAN_ARGUMENTS, "reset arguments"), PLAN_WORK);
+    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
+    pass->shader = shader;
+    plan_reads(plan, pass, PLAN_IMAGE_ID);
+    plan_updates(plan, pass, PLAN_WORK);
+}
+
 void plan_outputs(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot)
 {
     if (plan_samples(plan) > 1 || plan->transparency == STP_TRANSPARENCY_PEEL)

@@ -7,7 +7,7 @@
 #include "plan/shaders.h"
 
 #define PLAN_MAX_RESOURCES 32
-#define PLAN_MAX_PASSES    72 /* STP_MAX_GROUPS layers, and what comes after them */
+#define PLAN_MAX_PASSES    80 /* STP_MAX_GROUPS layers, and what comes before and after */
 #define PLAN_MAX_ACCESSES  20
 #define PLAN_NONE          255
 
@@ -183,6 +183,9 @@ void plan_bin(struct stp_plan *plan);
 void plan_binned(struct stp_plan *plan, const char *name, enum plan_shader shader,
                  const enum plan_slot *updated);
 void plan_blocks(struct stp_plan *plan);
+/* What has drawn to images instead: finds the blocks that were touched, of which plan_blocks then
+ * makes the list. */
+void plan_touched(struct stp_plan *plan, const char *name, enum plan_shader shader);
 /* An output that is written, or, where frames add to each other, added to. */
 void plan_outputs(const struct stp_plan *plan, struct plan_pass *pass, enum plan_slot slot);
 /* A resolving pass over the touched blocks; reads `read` (ends with PLAN_SLOTS), writes the

@@ -71,11 +71,14 @@ static void clear_outputs(struct stp_plan *plan)
     plan_fill(plan, PLAN_OUT_ID, STP_NO_ID, "clear id");
 }
 
-static void compute_resources(struct stp_plan *plan)
+static void work_resources(struct stp_plan *plan)
 {
+    bool compute = plan->path == STP_PATH_COMPUTE;
     uint64_t blocks = plan_pixels(plan) / STP_GROUP, words = plan->constant[PLAN_BINS] ? 4 : 2;
-    words += plan->transparency == STP_TRANSPARENCY_EXACT; /* and BINS are two-pass's */
+    words += compute && plan->transparency == STP_TRANSPARENCY_EXACT; /* and BINS are two-pass's */
     plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + words * blocks) * 4);
+    if (!compute)
+        return;
     uint64_t lists = plan->method == STP_METHOD_EXACT ? 2 : 1; /* large, and to repair */
     plan_resource(plan, "large", PLAN_LARGE, PLAN_TRANSIENT, plan_splats(plan) * 4 * lists);
     plan_bin_resources(plan);
@@ -100,10 +103,8 @@ static void eye_dome(struct stp_plan *plan)
 /* Behind all else, and also where no block was touched. */
 static void background(struct stp_plan *plan)
 {
-    bool behind = plan->path == STP_PATH_COMPUTE || plan->transparency != STP_TRANSPARENCY_AUTO;
-    if (plan->method == STP_METHOD_AXIS) /* a medium's last pass has it already */
-        behind = !plan_of_medium(&plan->facts);
-    if (!plan->constant[PLAN_BACKGROUND] || !behind)
+    bool medium = plan->method == STP_METHOD_AXIS && plan_of_medium(&plan->facts);
+    if (!plan->constant[PLAN_BACKGROUND] || medium) /* whose last pass has it already */
         return;
     struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, "background");
     pass->shader = PLAN_SHADER_BACKGROUND;
@@ -128,10 +129,10 @@ static void steps(struct stp_plan *plan, uint32_t width, uint32_t height)
     if (plan_is_root(plan))
         outputs(plan);
     bool compute = plan->path == STP_PATH_COMPUTE && !axis;
-    if (compute && !pyramid)
-        compute_resources(plan);
+    if (!axis && !pyramid)
+        work_resources(plan);
     bool peel = plan->transparency == STP_TRANSPARENCY_PEEL;
-    if (compute || plan->transparency != STP_TRANSPARENCY_AUTO)
+    if (!axis || plan->transparency != STP_TRANSPARENCY_AUTO)
         clear_outputs(plan);
     plan_limits(plan);
     if (peel)

@@ -58,28 +58,22 @@ static void nearest_layers(struct stp_plan *plan)
     }
 }
 
-/* The blocks that have a fragment, for the composite; with a mask, also where the first layer of
- * each pixel ends: the least depth of all groups, plus epsilon. */
-static void touched(struct stp_plan *plan, const char *name, enum plan_shader shader)
+/* Also where the first layer of each pixel ends: the least depth of all groups, plus epsilon. */
+static void mask(struct stp_plan *plan)
 {
-    struct plan_pass *pass = plan_pass(plan, PLAN_DISPATCH, name);
-    pass->shader = shader;
+    plan_touched(plan, "mask", PLAN_SHADER_TOUCHED_MASK);
+    struct plan_pass *pass = &plan->pass[plan->pass_count - 1];
     plan_reads(plan, pass, PLAN_SPLATS);
     plan_reads(plan, pass, PLAN_MATERIALS);
-    plan_reads(plan, pass, PLAN_IMAGE_ID);
-    plan_updates(plan, pass, PLAN_WORK);
-    if (shader == PLAN_SHADER_TRANSPARENT_MASK)
-        plan_writes(plan, pass, PLAN_NEAREST);
+    plan_writes(plan, pass, PLAN_NEAREST);
 }
 
 static void resources(struct stp_plan *plan, bool nearest)
 {
     uint32_t groups = plan->facts.cover.groups;
     uint64_t homes = nearest ? plan->group_first[groups] : 0;
-    uint64_t blocks = plan_pixels(plan) / STP_GROUP;
     plan_resource(plan, "order", PLAN_ORDER, PLAN_SCENE,
                   ((uint64_t)plan->facts.cover.members + homes) * 4);
-    plan_resource(plan, "work", PLAN_WORK, PLAN_TRANSIENT, (STP_WORK_FLAGS + 2 * blocks) * 4);
     plan_image(plan, "nearest", PLAN_IMAGE_ID, PLAN_RG32UI, groups);
     /* A layer a group: draws that share nothing overlap. nearest gains nothing by it. */
     plan_image(plan, "slab", PLAN_IMAGE_DEPTH, PLAN_D32F, nearest ? 1 : groups);
@@ -115,14 +109,13 @@ void plan_transparent(struct stp_plan *plan)
     const enum plan_slot images[] = { PLAN_IMAGE_ID, PLAN_IMAGE_SUM, PLAN_SLOTS };
     bool nearest = plan->transparency == STP_TRANSPARENCY_NEAREST;
     resources(plan, nearest);
-    plan_writes(plan, plan_pass(plan, PLAN_ARGUMENTS, "reset arguments"), PLAN_WORK);
     if (nearest) {
         nearest_layers(plan);
-        touched(plan, "mask", PLAN_SHADER_TRANSPARENT_MASK);
+        mask(plan);
         blend_groups(plan, "others", PLAN_SHADER_TRANSPARENT_OTHERS_FRAGMENT);
     } else {
         blend_groups(plan, "blend", PLAN_SHADER_TRANSPARENT_BLEND_FRAGMENT);
-        touched(plan, "touched", PLAN_SHADER_TRANSPARENT_TOUCHED);
+        plan_touched(plan, "touched", PLAN_SHADER_TOUCHED);
     }
     plan_blocks(plan);
     plan_resolve(plan, "composite",

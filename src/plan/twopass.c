@@ -117,21 +117,14 @@ static void raster(struct stp_plan *plan)
     plan_attaches(plan, pass, PLAN_IMAGE_SUM);
     plan_attaches(plan, pass, PLAN_IMAGE_SUM_DEPTH);
     plan_attaches(plan, pass, PLAN_IMAGE_SUM_COLOR);
-    pass = plan_pass(plan, PLAN_DISPATCH, "normalise");
-    pass->shader =
-        colors ? PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR : PLAN_SHADER_TWOPASS_RESOLVE_IMAGE;
-    plan_reads(plan, pass, PLAN_SPLATS);
-    plan_reads(plan, pass, PLAN_COLORS);
-    plan_reads(plan, pass, PLAN_OPACITIES);
-    plan_reads(plan, pass, PLAN_MATERIALS);
-    plan_reads(plan, pass, PLAN_OBJECT_OPTICS);
-    plan_reads(plan, pass, PLAN_ENVIRONMENT);
-    for (enum plan_slot slot = PLAN_IMAGE_ID; slot <= PLAN_IMAGE_SUM_COLOR; slot++)
-        if (slot != PLAN_IMAGE_DEPTH)
-            plan_reads(plan, pass, slot);
-    plan_updates(plan, pass, PLAN_NEAREST);
-    for (enum plan_slot slot = PLAN_OUT_COLOR; slot <= PLAN_OUT_ID; slot++)
-        plan_outputs(plan, pass, slot);
+    plan_touched(plan, "touched", PLAN_SHADER_TOUCHED);
+    plan_blocks(plan);
+    plan_resolve(
+        plan, "normalise",
+        colors ? PLAN_SHADER_TWOPASS_RESOLVE_IMAGE_COLOR : PLAN_SHADER_TWOPASS_RESOLVE_IMAGE, false,
+        (enum plan_slot[]){ PLAN_IMAGE_ID, PLAN_IMAGE_SUM, PLAN_IMAGE_SUM_DEPTH,
+                            PLAN_IMAGE_SUM_COLOR, PLAN_SLOTS });
+    plan_updates(plan, &plan->pass[plan->pass_count - 1], PLAN_NEAREST);
 }
 
 /* Where the nearest opaque fragment ends each pixel's ray, by either path. */
