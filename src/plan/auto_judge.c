@@ -16,6 +16,8 @@
  * and while the standard error is more than this share of what is said to be the most. */
 #define TAIL 1.3
 #define SURE 0.1
+/* Fewer cells than this, that have covered pixels, do not tell what the mean over these is. */
+#define COVERED 16
 /* Groups of the probe's splats alone put more or fewer of them together than the scene's: what is
  * this many times beyond the bound with those is not worth grouping the scene for. */
 #define LOCAL_MARGIN 2
@@ -110,6 +112,14 @@ static double unseen(const struct estimate *e)
     return UNSEEN * worst * (1 - t->cells / t->all_cells) / t->n;
 }
 
+/* Whether enough of the picture was seen for any of it to hold: all, or as many cells as COVERED
+ * with equally many covered pixels would be. */
+static bool known(const struct estimate *e)
+{
+    const struct probe_tally *t = &e->error.tally;
+    return t->cells >= t->all_cells || (t->n > 0 && t->n * t->n >= COVERED * t->nn);
+}
+
 static void conclude(struct estimate *e)
 {
     const struct probe_error *error = &e->error;
@@ -169,7 +179,8 @@ static enum stp_result group(struct choosing *c, struct auto_candidate *candidat
 static bool settled(const struct choosing *c, const struct estimate *e, double margin)
 {
     const struct probe_tally *t = &e->error.tally;
-    bool sure = e->error.spread <= SURE * e->high, all = t->n > 0 && t->cells >= t->all_cells;
+    bool sure = known(e) && e->error.spread <= SURE * e->high;
+    bool all = t->n > 0 && t->cells >= t->all_cells;
     return all || (sure && e->high * margin <= c->bound) || e->low > c->bound || isinf(e->high);
 }
 
@@ -214,7 +225,8 @@ static enum stp_result sample(struct choosing *c, const struct auto_candidate *c
 }
 
 /* What samples leave open waits until nothing else is about as cheap. Of one picture, without a
- * bound, it is not worth more; and where splats pile up a look would take minutes. */
+ * bound, it is not worth more unless nothing is known; and where splats pile up a look would take
+ * minutes. */
 static enum stp_result decide(struct choosing *c, struct auto_candidate *candidate)
 {
     struct estimate e = { .high = INFINITY };
@@ -225,10 +237,10 @@ static enum stp_result decide(struct choosing *c, struct auto_candidate *candida
     if (result == STP_OK)
         result = candidate->close ? look_on(c, candidate, &e) : sample(c, candidate, &e, &done);
     candidate->error = e.high;
-    candidate->close =
-        !done && !candidate->close && c->params.max_error > 0 && c->survey.fragments <= LOOK_MOST;
+    candidate->close = !done && !candidate->close && (c->params.max_error > 0 || !known(&e)) &&
+                       c->survey.fragments <= LOOK_MOST;
     if (!candidate->close)
-        candidate->stage = e.high <= c->bound ? AUTO_ACCEPTED : AUTO_REFUSED;
+        candidate->stage = e.high <= c->bound && known(&e) ? AUTO_ACCEPTED : AUTO_REFUSED;
     return result;
 }
 

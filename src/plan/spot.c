@@ -1,6 +1,7 @@
 /* A splat's bounds on the screen, for estimates. */
 #include "plan/survey.h"
 
+#include <float.h>
 #include <math.h>
 
 #include "base/thread.h"
@@ -143,20 +144,28 @@ static void parallel(const struct spot_view *view, struct vec3 n, double radius,
     apply_floor(view, half, o);
 }
 
-/* A disc that the near plane cuts may be anywhere: half the picture. */
-static void cut_outline(const struct spot_view *view, struct outline *o)
-{
-    *o = (struct outline){ { -INFINITY, -INFINITY },
-                           { INFINITY, INFINITY },
-                           0.5 * view->width * view->height };
-}
-
 /* A splat as the camera sees it: the disc, or the ellipse's half axes a and b. */
 struct shape {
     struct vec3 p, n, a, b;
     double radius, reach; /* reach: along the view, from its centre */
     bool ellipse;
 };
+
+/* Of what the near plane cuts, as glsl/lib/clipped.glsl bounds it: around the view's axis,
+ * quotients of the intervals that hold x, y and z of the part beyond the plane. */
+static void cut_outline(const struct spot_view *view, const struct shape *s, struct outline *o)
+{
+    const double f[2] = { view->fx, view->fy }, at[2] = { s->p.x, s->p.y };
+    const double n[2] = { s->n.x, s->n.y };
+    const double ellipse[2] = { hypot(s->a.x, s->b.x), hypot(s->a.y, s->b.y) };
+    double nearest = fmax(view->near_depth, DBL_MIN), farthest = s->p.z + s->reach;
+    for (int k = 0; k < 2; k++) {
+        double reach = s->ellipse ? ellipse[k] : s->radius * sqrt(fmax(0, 1 - n[k] * n[k]));
+        double low = at[k] - reach, high = at[k] + reach;
+        o->low[k] = f[k] * low / (low < 0 ? nearest : farthest);
+        o->high[k] = f[k] * high / (high < 0 ? farthest : nearest);
+    }
+}
 
 static void take_ellipse(const struct spot_view *view, const struct stp_phong_splat *phong,
                          struct shape *s)
@@ -233,18 +242,18 @@ bool spot_find(const struct spot_view *view, size_t i, struct spot *spot)
     struct vec3 p = shape.p, s = view->orthographic ? v3(p.x, p.y, 1) : v3(p.x / p.z, p.y / p.z, 1);
     bool cut = !find_outline(view, &shape, s, &outline);
     if (cut) {
-        cut_outline(view, &outline);
+        cut_outline(view, &shape, &outline);
         s = v3(0, 0, 1);
     }
     double x = view->cx + view->fx * s.x, y = view->cy + view->fy * s.y;
     if (!pixels_in(x + outline.low[0], x + outline.high[0], view->width, &spot->x0, &spot->x1) ||
         !pixels_in(y + outline.low[1], y + outline.high[1], view->height, &spot->y0, &spot->y1))
         return false;
-    /* As much of the area as of the box is in the picture, in the mean over places of its centre.
-     */
+    /* As much of the area as of the box is in the picture, in the mean over places of its centre;
+     * of what is cut, half of the box. */
     double box = (spot->x1 - spot->x0 + 1.0) * (spot->y1 - spot->y0 + 1.0);
     double whole = (outline.high[0] - outline.low[0]) * (outline.high[1] - outline.low[1]);
-    spot->fragments = cut ? outline.area : fmin(outline.area / whole, 1) * box;
+    spot->fragments = cut ? 0.5 * box : fmin(outline.area / whole, 1) * box;
     spot->large = cut || box > STP_LARGE_AREA;
     return true;
 }

@@ -121,6 +121,35 @@ static void test_close(void **state)
     release_inputs(&in);
 }
 
+/* Edge-on through the eye, so that nothing of it shows, and cut by the near plane: it may touch
+ * many blocks. What does show is so small that no sample of their cells holds enough of it: nothing
+ * is promised before it has been seen. */
+static void test_small(void **state)
+{
+    struct inputs in = { .scene = scene_make(1601, 1, 0.06),
+                         .camera = plain_camera(1024, 1024, 1000) };
+    for (int i = 0; i < 1600; i++) {
+        double x = i % 40 * 0.05 - 1, y = i / 40 * 0.05 - 1;
+        scene_add(in.scene, v3(x, y, -150 + 0.1 * sin(4 * x + y)),
+                  v3(-0.4 * cos(4 * x + y), 0.1, 1), 0.06);
+    }
+    scene_add(in.scene, v3(0, 0, -in.camera.near_depth), v3(1, 0.4, 0), 40 * in.camera.near_depth);
+    scene_finish(in.scene);
+    price_nothing(&in);
+    price_all(&in, 1, 2, 5);
+    in.params.max_error = 1e-3;
+    struct stp_choice choice = choose(&in);
+    double most;
+    struct probe_error error = error_by(&in, &choice, EVERY, &most);
+    assert_true(choice.met && error.pixels > 50 && error.spread == 0);
+    assert_true(error.mean <= in.params.max_error);
+    assert_true(choice.params.prediction.error >= error.mean);
+    in.params.max_error = 0;
+    choice = choose(&in);
+    assert_true(choice.met && error_by(&in, &choice, EVERY, &most).mean <= STP_DEFAULT_MAX_ERROR);
+    release_inputs(&in);
+}
+
 /* Where discs pile up a look at all cells would take minutes: what samples leave open is refused.
  */
 static void test_piled(void **state)
@@ -424,15 +453,15 @@ static void test_close_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bounds),          cmocka_unit_test(test_close),
-        cmocka_unit_test(test_piled),           cmocka_unit_test(test_doubt),
-        cmocka_unit_test(test_prices),          cmocka_unit_test(test_colored),
-        cmocka_unit_test(test_one_picture),     cmocka_unit_test(test_considered),
-        cmocka_unit_test(test_fixed),           cmocka_unit_test(test_same),
-        cmocka_unit_test(test_sentence),        cmocka_unit_test(test_unmet),
-        cmocka_unit_test(test_bright),          cmocka_unit_test(test_refused),
-        cmocka_unit_test(test_pyramid),         cmocka_unit_test(test_no_memory),
-        cmocka_unit_test(test_close_no_memory),
+        cmocka_unit_test(test_bounds),     cmocka_unit_test(test_close),
+        cmocka_unit_test(test_small),      cmocka_unit_test(test_piled),
+        cmocka_unit_test(test_doubt),      cmocka_unit_test(test_prices),
+        cmocka_unit_test(test_colored),    cmocka_unit_test(test_one_picture),
+        cmocka_unit_test(test_considered), cmocka_unit_test(test_fixed),
+        cmocka_unit_test(test_same),       cmocka_unit_test(test_sentence),
+        cmocka_unit_test(test_unmet),      cmocka_unit_test(test_bright),
+        cmocka_unit_test(test_refused),    cmocka_unit_test(test_pyramid),
+        cmocka_unit_test(test_no_memory),  cmocka_unit_test(test_close_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

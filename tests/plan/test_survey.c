@@ -196,6 +196,33 @@ static void test_boundary(void **state)
     stp_scene_destroy(&scene);
 }
 
+/* Discs that the near plane cuts: all that shows is counted, and what is beside the view is not. */
+static void test_cut(void **state)
+{
+    struct stp_scene *scene = scene_make(200, 1, 0.1);
+    struct stp_camera camera = plain_camera(123, 77, 100);
+    struct stp_render_params params = { .min_splat = -1 };
+    uint32_t seed = 7;
+    for (int i = 0; i < 200; i++) {
+        double r[7];
+        for (int k = 0; k < 7; k++)
+            r[k] = uniform(&seed);
+        scene_add(scene, v3(r[0] - 0.5, r[1] - 0.5, 0.2 * r[2] - 0.1 - camera.near_depth),
+                  v3(r[3] - 0.5, r[4] - 0.5, r[5] - 0.5), 0.1 + 0.3 * r[6]);
+    }
+    scene_finish(scene);
+    compare(scene, &camera, &params, 1);
+    stp_scene_destroy(&scene);
+
+    scene = scene_make(1, 1, 0.1);
+    scene_add(scene, v3(2, 0, -camera.near_depth), v3(0.1, 1, 0.2), 1);
+    scene_finish(scene);
+    struct survey s = survey_of(scene, &camera, &params, 1);
+    assert_true(s.drawn == 0 && s.touched == 0);
+    survey_release(&s);
+    stp_scene_destroy(&scene);
+}
+
 static void ignore(void *user, enum stp_log_level level, const char *line)
 {
 }
@@ -224,7 +251,8 @@ int main(void)
         cmocka_unit_test(test_against_hits), cmocka_unit_test(test_huge),
         cmocka_unit_test(test_ellipses),     cmocka_unit_test(test_threads),
         cmocka_unit_test(test_sample),       cmocka_unit_test(test_depth),
-        cmocka_unit_test(test_boundary),     cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_boundary),     cmocka_unit_test(test_cut),
+        cmocka_unit_test(test_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
