@@ -332,6 +332,9 @@ static int join(struct run *run)
     if (run->shared && run->settings->render.max_error > 0)
         return wrong_usage(settings->command, "--max-error chooses among methods, of which several "
                                               "processes have one; or --split frames");
+    if (settings->half && settings->render.max_error > 0)
+        console_warning(console, "--half rounds colours by up to 1/2048 of their size, beyond what "
+                                 "--max-error bounds");
     if (run->shared) {
         run->settings->render.method = STP_METHOD_TWO_PASS;
         run->settings->render.path = STP_PATH_COMPUTE;

@@ -189,6 +189,10 @@ enum stp_result plan_check_shade(const struct stp_env *env, const struct stp_pla
 enum stp_result plan_light_cube(const struct stp_env *env, struct stp_plan *plan);
 /* Its buffer, and the pass that fills it; before the passes that shade. */
 void plan_light_cube_steps(struct stp_plan *plan);
+/* The most that looking light up moves a colour; 0 without. */
+double plan_light_cube_error(const struct stp_plan *plan, const struct stp_scene *scene);
+/* The largest size of `count` values. */
+double plan_largest(const float *value, unsigned count);
 /* The most that one splat's fragment can shine, by any of the scene's lights. */
 double plan_most_light(const struct stp_plan *plan, const struct stp_scene *scene);
 

@@ -30,10 +30,14 @@ static struct vec3 albedo_of(const struct view *view, uint32_t splat, float step
     return v3(in_steps(c.x, steps), in_steps(c.y, steps), in_steps(c.z, steps));
 }
 
-static void sum(const struct view *view, struct sums *sums, const struct probe_fragment *f,
-                float color_steps)
+static void sum(const struct view *view, const struct ray *ray, struct sums *sums,
+                const struct probe_fragment *f, float color_steps)
 {
     struct vec3 albedo = albedo_of(view, f->splat, color_steps);
+    if (view->shade == STP_SHADE_SPLAT)
+        sums->shaded =
+            v3_add(sums->shaded,
+                   v3_scale(splat_shade(view, f->splat, f->normal, ray, f->depth), f->weight));
     sums->weight += f->weight;
     sums->depth += f->weight * f->depth;
     sums->opacity += f->weight * splat_opacity(view, f->splat);
@@ -42,7 +46,7 @@ static void sum(const struct view *view, struct sums *sums, const struct probe_f
     sums->count++;
 }
 
-/* ZP Eq. 1 over the kept fragments, and its light. */
+/* ZP Eq. 1 over the kept fragments, and its light, computed where --shade says. */
 static bool one_surface(const struct view *view, const struct ray *ray,
                         const struct probe_pixel *pixel, struct vec3 *color)
 {
@@ -54,11 +58,14 @@ static bool one_surface(const struct view *view, const struct ray *ray,
     if (nearest.depth == INFINITY)
         return false;
     double last = nearest.depth + splat_epsilon(view, nearest.id) + pixel->slack;
-    for (size_t i = 0; i < pixel->count; i++)
-        if (pixel->fragment[i].kept && !(pixel->fragment[i].depth > last))
-            sum(view, &sums, &pixel->fragment[i], pixel->color_steps);
+    for (size_t i = 0; i < pixel->count; i++) {
+        const struct probe_fragment *f = &pixel->fragment[i];
+        bool alone = view->shade == STP_SHADE_FLAT && f->splat != nearest.id;
+        if (f->kept && !alone && !(f->depth > last))
+            sum(view, ray, &sums, f, pixel->color_steps);
+    }
     struct surface surface = surface_resolve(view, &nearest, &sums, ray);
-    *color = surface_shade(view, &surface);
+    *color = surface_color(view, &surface, &sums);
     return true;
 }
 
@@ -81,8 +88,9 @@ static void begin(const struct view *view, const struct probe_pixel *pixel, stru
 }
 
 /* The fragments of the layer that starts at `start`; finds where the next one does. */
-static struct sums cut(const struct view *view, const struct probe_pixel *pixel,
-                       const struct nearest *start, bool solid, struct passage *p)
+static struct sums cut(const struct view *view, const struct ray *ray,
+                       const struct probe_pixel *pixel, const struct nearest *start, bool solid,
+                       struct passage *p)
 {
     struct sums sums = { 0 };
     double last = start->depth + splat_epsilon(view, start->id) + pixel->slack;
@@ -93,7 +101,7 @@ static struct sums cut(const struct view *view, const struct probe_pixel *pixel,
         if (!ours || f->depth < start->depth || (!solid && f->depth >= p->opaque.depth))
             continue;
         if (f->depth <= last)
-            sum(view, &sums, f, pixel->color_steps);
+            sum(view, ray, &sums, f, pixel->color_steps);
         else if (!solid)
             take(&p->next, f);
     }
@@ -120,7 +128,7 @@ static void pass_through(const struct view *view, const struct ray *ray,
            (isfinite(p->next.depth) || isfinite(p->opaque.depth))) {
         bool solid = !(p->next.depth < p->opaque.depth);
         struct nearest start = solid ? p->opaque : p->next;
-        struct sums sums = cut(view, pixel, &start, solid, p);
+        struct sums sums = cut(view, ray, pixel, &start, solid, p);
         struct surface surface = surface_resolve(view, &start, &sums, ray);
         composite(view, p, &surface);
         if (solid)

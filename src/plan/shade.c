@@ -28,7 +28,7 @@ enum stp_result plan_check_shade(const struct stp_env *env, const struct stp_pla
     return STP_OK;
 }
 
-static double largest(const float *value, unsigned count)
+double plan_largest(const float *value, unsigned count)
 {
     double most = 0;
     for (unsigned i = 0; i < count; i++)
@@ -40,10 +40,10 @@ double plan_most_light(const struct stp_plan *plan, const struct stp_scene *scen
 {
     double light = 0, most = 0;
     for (unsigned i = 0; i < scene->light_count; i++)
-        light += largest(scene->lights[i].color, 3);
+        light += plan_largest(scene->lights[i].color, 3);
     for (unsigned i = 0; i < scene->object_count; i++) {
         const struct stp_material *m = &scene->objects[i].material;
-        double albedo = fmax(largest(m->albedo, 3), (double)plan->facts.color_max);
+        double albedo = fmax(plan_largest(m->albedo, 3), (double)plan->facts.color_max);
         most = fmax(most, fabs((double)m->specular) +
                               albedo * (fabs((double)m->ambient) + fabs((double)m->diffuse)));
     }

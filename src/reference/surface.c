@@ -39,9 +39,8 @@ void nearest_take(struct nearest *nearest, uint32_t id, const struct disc *disc,
         *nearest = (struct nearest){ fragment->depth, id, fragment_normal(disc, fragment) };
 }
 
-/* Light that one splat sends by itself. */
-static struct vec3 shade_alone(const struct view *view, uint32_t id, struct vec3 normal,
-                               const struct ray *ray, double depth)
+struct vec3 splat_shade(const struct view *view, uint32_t id, struct vec3 normal,
+                        const struct ray *ray, double depth)
 {
     struct surface s = { .depth = depth,
                          .opacity = 1,
@@ -64,7 +63,7 @@ void sums_add(const struct view *view, struct sums *sums, uint32_t id, const str
     sums->albedo = v3_add(sums->albedo, v3_scale(splat_albedo(view, id), weight));
     if (view->shade == STP_SHADE_SPLAT)
         sums->shaded = v3_add(
-            sums->shaded, v3_scale(shade_alone(view, id, normal, ray, fragment->depth), weight));
+            sums->shaded, v3_scale(splat_shade(view, id, normal, ray, fragment->depth), weight));
     sums->count++;
 }
 

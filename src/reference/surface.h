@@ -29,6 +29,9 @@ struct surface {
 double splat_epsilon(const struct view *view, uint32_t id);
 struct vec3 splat_albedo(const struct view *view, uint32_t id);
 double splat_opacity(const struct view *view, uint32_t id);
+/* The light that one splat sends by itself. */
+struct vec3 splat_shade(const struct view *view, uint32_t id, struct vec3 normal,
+                        const struct ray *ray, double depth);
 
 void nearest_take(struct nearest *nearest, uint32_t id, const struct disc *disc,
                   const struct fragment *fragment);

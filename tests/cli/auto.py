@@ -2,6 +2,7 @@
 """--max-error: what is decided, what it then costs in error, and the cache of calibrations."""
 import json
 import os
+import re
 
 import command
 
@@ -69,6 +70,22 @@ class Auto(command.CommandTest):
             error = self.done_json("compare", "--json", "out.exr", "truth.exr")
             self.assertLessEqual(error["covered"]["mean_absolute"], bound)
             self.assertIn("cheapest within an error of", json.loads(self.read("stats.json"))["plan"])
+
+    def test_said_is_kept(self):
+        """The error that is said at most holds whatever else moves colours; of what it leaves out, a line."""
+        self.fill_cache()
+        for options, bounds in [([], ["1e-2", "1e-5"]), (["--shade", "splat"], ["1e-2", "1e-5"]),
+                                (["--shade", "flat"], ["1e-2", "1e-4"]), (["--light-cube", "on"], ["1e-2"])]:
+            truth = options if "--shade" in options else []
+            self.done("render", "ball.ply", "-o", "truth.exr", *VIEW, "--method", "reference", *truth)
+            for bound in bounds:
+                self.done("render", "ball.ply", "-o", "out.exr", *VIEW, "--max-error", bound, *options)
+                said = re.search(r"error at most ([0-9.e-]+)", self.why("--max-error", bound, *options))
+                error = self.done_json("compare", "--json", "out.exr", "truth.exr")
+                self.assertLessEqual(error["covered"]["mean_absolute"], 1.05 * float(said[1]), options)
+        run = self.run_tool("render", "ball.ply", "-o", "out.exr", *VIEW, "--max-error", "1e-3", "--half")
+        self.assertEqual((run.returncode, run.stderr.count("\n")), (0, 1), run.stderr)
+        self.assertIn("--half", run.stderr)
 
     def test_calibration_is_kept(self):
         path = self.fill_cache()

@@ -92,6 +92,23 @@ static void test_estimates(void **state)
     }
 }
 
+/* Light per splat and of the nearest splat: the probe's colours are theirs. */
+static void test_shades(void **state)
+{
+    for (int shade = STP_SHADE_PIXEL + 1; shade <= STP_SHADE_FLAT; shade++) {
+        struct stp_camera camera;
+        struct stp_plan *plan = NULL;
+        struct stp_scene *scene = sphere(&camera, 0.4, true, 0);
+        struct stp_render_params params = { .method = STP_METHOD_TWO_PASS,
+                                            .min_splat = -1,
+                                            .shade = (enum stp_shade)shade };
+        assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+        expect_estimate(scene, plan);
+        stp_plan_destroy(&plan);
+        stp_scene_destroy(&scene);
+    }
+}
+
 /* Both faces: two layers, and more where discs stand apart. */
 static void test_layers(void **state)
 {
@@ -190,9 +207,8 @@ static void test_prices(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_estimates),
-        cmocka_unit_test(test_layers),
-        cmocka_unit_test(test_pyramid),
+        cmocka_unit_test(test_estimates), cmocka_unit_test(test_shades),
+        cmocka_unit_test(test_layers),    cmocka_unit_test(test_pyramid),
         cmocka_unit_test(test_prices),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);

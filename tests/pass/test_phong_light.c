@@ -112,22 +112,6 @@ static void test_shades(void **state)
     }
 }
 
-/* Texels are d apart on a face of half side 1, where a step turns the normal by no more than its
- * own length. Bilinear interpolation is off by at most d^2 / 8 of each second derivative: 1 of a
- * diffuse term away from its edge, 2 s of a specular one of exponent s; and by a quarter of the
- * diagonal where the diffuse term bends. */
-static double light_cube_bound(const struct stp_plan *plan, const struct stp_material *material,
-                               double albedo)
-{
-    double d = 2.0 / (STP_LIGHT_CUBE - 1), light = 0, s = (double)material->shininess;
-    for (uint32_t i = 0; i < plan->light_count; i++)
-        light += fmax(fmax((double)plan->lights[i].color[0], (double)plan->lights[i].color[1]),
-                      (double)plan->lights[i].color[2]);
-    double diffuse = M_SQRT2 * d / 4 + d * d / 4, specular = fmin(1, s * d * d / 2);
-    return light *
-           (albedo * (double)material->diffuse * diffuse + (double)material->specular * specular);
-}
-
 /* Looked up against summed, on normals of all directions: within the bound,
  * and not by far. */
 static void test_light_cube(void **state)
@@ -149,7 +133,7 @@ static void test_light_cube(void **state)
     p.light_cube = STP_ON;
     assert_int_equal(device_plan(&device, scene, &camera, &p, &plan), STP_OK);
     struct stp_image *found = device_render_plan(&device, scene, plan);
-    double bound = light_cube_bound(plan, &scene->objects[0].material, 1), worst = 0;
+    double bound = plan_light_cube_error(plan, scene), worst = 0;
     for (size_t at = 0; at < 120 * 90; at++)
         for (const char *c = "R\0G\0B"; *c; c += 2)
             worst = fmax(worst, fabs((double)stp_image_find(found, c)->data.f[at] -
