@@ -332,9 +332,6 @@ static int join(struct run *run)
     if (run->shared && run->settings->render.max_error > 0)
         return wrong_usage(settings->command, "--max-error chooses among methods, of which several "
                                               "processes have one; or --split frames");
-    if (settings->half && settings->render.max_error > 0)
-        console_warning(console, "--half rounds colours by up to 1/2048 of their size, beyond what "
-                                 "--max-error bounds");
     if (run->shared) {
         run->settings->render.method = STP_METHOD_TWO_PASS;
         run->settings->render.path = STP_PATH_COMPUTE;
@@ -351,6 +348,10 @@ int run_render(struct settings *settings)
         return status;
     console_open(&run.console, settings);
     status = join(&run);
+    if (settings->half && settings->render.max_error > 0)
+        console_warning(&run.console,
+                        "--half rounds colours by up to 1/2048 of their size, beyond what "
+                        "--max-error bounds");
     run.stats = settings->stats ? json_begin(&run.building, cJSON_CreateArray()) : NULL;
     if (status == EXIT_DONE)
         status = render_all(&run);

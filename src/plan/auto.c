@@ -7,6 +7,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "reference/reference.h"
 
 /* Does the candidate do what the caller has fixed? */
 static bool allowed(const struct choosing *c, const struct plan_candidate *way)
@@ -173,10 +174,25 @@ static void conclude(const struct choosing *c, const struct auto_candidate *chos
     qsort(choice->considered, choice->count, sizeof *choice->considered, by_cost);
 }
 
+/* What is asked for is drawn, or the plan says why it cannot be. */
+static void nothing_applies(const struct choosing *c, struct stp_choice *choice)
+{
+    *choice = (struct stp_choice){ .params = c->params, .met = c->params.max_error == 0 };
+    if (c->params.max_error > 0)
+        log_warning(c->env,
+                    "nothing that is estimated can be drawn as asked: the bound of %g is not "
+                    "looked at",
+                    c->params.max_error);
+}
+
 static enum stp_result choose(struct choosing *c, struct stp_choice *choice)
 {
     struct auto_candidate *chosen = NULL;
     enum stp_result result = survey_make(c->env, c->scene, c->camera, &c->params, &c->survey);
+    if (c->params.max_error > 0) {
+        struct view view = reference_view(c->scene, c->camera, &c->params);
+        c->levels_error = probe_levels_error(c->env, &view);
+    }
     if (result == STP_OK && c->scene->facts.transparent) {
         result = auto_probe(c, 0);
         c->survey.layers = c->probe[0].layers;
@@ -187,8 +203,8 @@ static enum stp_result choose(struct choosing *c, struct stp_choice *choice)
         result = search(c, &chosen);
     if (result == STP_OK && chosen)
         conclude(c, chosen, choice);
-    else if (result == STP_OK) /* nothing applies: the plan will say why */
-        *choice = (struct stp_choice){ .params = c->params };
+    else if (result == STP_OK)
+        nothing_applies(c, choice);
     groupings_end(&c->groupings, result == STP_OK && chosen && chosen->way.overlap > 0);
     for (unsigned i = 0; i < c->local_count; i++)
         mem_free(c->local[i].group);

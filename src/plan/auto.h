@@ -43,6 +43,7 @@ struct choosing {
     bool probed[2];
     struct groupings groupings;
     unsigned local_count, count;
+    double levels_error; /* of rough light, that no probe sees */
     struct auto_local local[MAX_GROUPINGS];
     struct auto_candidate candidate[STP_MAX_CONSIDERED];
 };

@@ -142,8 +142,8 @@ static enum stp_result estimate(struct choosing *c, const struct auto_candidate 
     result = plan_judge(c->env, probe, plan, candidate->way.overlap > 0 ? group : NULL,
                         local != NULL, &e->error);
     e->more = plan_rounding(plan) + dome_error(plan);
-    if (c->params.max_error > 0) /* else the cube is asked for as it is */
-        e->more += plan_light_cube_error(plan, c->scene);
+    if (c->params.max_error > 0) /* else what any way would be off by does not matter */
+        e->more += plan_light_cube_error(plan, c->scene) + c->levels_error;
     e->rare = plan_offer_of(plan)->rare * fmax(1, plan->facts.color_max);
     stp_plan_destroy(&plan);
     if (result == STP_OK)

@@ -261,6 +261,7 @@ enum stp_result probe_make(const struct stp_env *env, const struct stp_scene *sc
                            struct probe *probe)
 {
     struct probe made = { .view = reference_view(scene, camera, params) };
+    made.view.leveled = true;
     struct making m = { .env = env, .probe = &made, .survey = survey };
     size_t blocks = (size_t)survey->across * survey->down;
     enum stp_result result = STP_OK;

@@ -91,6 +91,10 @@ enum stp_result probe_judge(const struct stp_env *env, const struct probe *probe
 /* `part` is of other cells: both together. */
 void probe_error_join(struct probe_error *error, const struct probe_error *part);
 
+/* probe_environment.c: how far the levels that rough light is looked up in are off the light
+ * itself, in the mean over directions; 0 where nothing is rough. Tenths of a second a roughness. */
+double probe_levels_error(const struct stp_env *env, const struct view *view);
+
 /* Groups the probe's splats among themselves, as a foretaste of grouping the whole scene: K is
  * then too low, and the error about right. To be freed. */
 enum stp_result probe_group(const struct stp_env *env, const struct probe *probe,

@@ -19,6 +19,7 @@ struct view {
     bool gaussians;   /* splats are composited one by one (gaussians.c) */
     bool transparent; /* pixels are layers (layers.c) */
     bool deep;        /* which are kept one by one */
+    bool leveled;     /* rough light is that of the scene's levels, not summed over the map */
     double min_splat; /* pixels; 0: off */
     double epsilon;   /* 0: each object's own */
     unsigned grid;    /* grid x grid samples a pixel */

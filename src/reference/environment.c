@@ -79,11 +79,51 @@ static struct vec3 lobe(const struct environment_map *map, double longitude, dou
     return v3_scale(sum, 1 / total);
 }
 
+static struct vec3 level_row(const struct scene_environment *e, size_t first, uint32_t width,
+                             double x)
+{
+    int64_t left = (int64_t)floor(x), w = width;
+    struct vec3 a = v3_loadf(e->texel[first + (size_t)(((left % w) + w) % w)]);
+    struct vec3 b = v3_loadf(e->texel[first + (size_t)((((left + 1) % w) + w) % w)]);
+    return lerp(a, b, x - (double)left);
+}
+
+/* Rows 0 and height + 1 are the poles, half a texel beyond the rows beside them. */
+static struct vec3 level_light(const struct scene_environment *e, unsigned i, double longitude,
+                               double polar)
+{
+    const struct environment_level *level = &e->level[i];
+    double height = level->height, x = (longitude / (2 * PI) + 0.5) * level->width - 0.5;
+    double y = polar / PI * height + 0.5;
+    y = y < 1 ? 2 * y - 1 : y > height ? 2 * y - height : y;
+    double row = fmin(fmax(floor(y), 0), height);
+    size_t at = level->first + (size_t)row * level->width;
+    return lerp(level_row(e, at, level->width, x), level_row(e, at + level->width, level->width, x),
+                y - row);
+}
+
+/* Between the levels of the roughnesses below and above. */
+static struct vec3 leveled(const struct scene_environment *e, double longitude, double polar,
+                           double roughness)
+{
+    unsigned i = 0;
+    while (i + 1 < e->level_count && (double)e->level[i + 1].roughness <= roughness)
+        i++;
+    struct vec3 light = level_light(e, i, longitude, polar);
+    double low = (double)e->level[i].roughness;
+    if (i + 1 == e->level_count || !(roughness > low))
+        return light;
+    double high = (double)e->level[i + 1].roughness;
+    return lerp(light, level_light(e, i + 1, longitude, polar), (roughness - low) / (high - low));
+}
+
 struct vec3 environment_light(const struct view *view, struct vec3 d, double roughness)
 {
     const struct scene_environment *e = &view->scene->environment;
     double longitude, polar, intensity = e->params.intensity > 0 ? (double)e->params.intensity : 1;
     angles_of(view, d, &longitude, &polar);
+    if (view->leveled && roughness > 0)
+        return leveled(e, longitude, polar, roughness);
     struct vec3 light = roughness > 0 ? lobe(&e->map, longitude, polar, roughness)
                                       : sharp(&e->map, longitude, polar);
     return v3_scale(light, intensity);

@@ -2,6 +2,8 @@
 #include "group_device.h"
 #include "surroundings.h"
 
+#include "plan/offer.h"
+
 static struct stp_scene *sheet(unsigned objects)
 {
     struct stp_scene *scene = scene_sheet(objects, 5);
@@ -64,6 +66,44 @@ static void test_mirrors(void **state)
     set_optics(scene, 2, &(struct stp_optics){ .ior = { 1, 1, 1 } });
     surround(scene, 32, 16, smooth_sky, NULL);
     every_way(scene, &camera, params, &rough, "mirrors, sharp, rough and none");
+}
+
+/* Where rough light is mirrored auto looks it up as the device does, and what levels are off it
+ * adds. */
+static void test_estimate(void **state)
+{
+    static const struct probe_sample every = { .cells = 100000, .alone = true };
+    const struct stp_render_params params = { .min_splat = -1, .method = STP_METHOD_TWO_PASS };
+    struct stp_camera camera = plain_camera(33, 33, 30);
+    struct stp_scene *scene = sheet(1);
+    struct stp_plan *plan = NULL;
+    struct stp_image *truth = NULL;
+    struct stp_comparison comparison;
+    struct survey survey;
+    struct probe probe;
+    struct probe_error error;
+    set_optics(scene, 0,
+               &(struct stp_optics){ .reflectance = { 0.9f, 0.9f, 0.9f }, .roughness = 0.4f });
+    surround(scene, 128, 64, smooth_sky, NULL);
+    assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+    struct stp_image *image = device_render_plan(&device, scene, plan);
+    assert_int_equal(reference_render(&device.env, scene, &camera, &params, &truth), STP_OK);
+    assert_int_equal(stp_compare(&device.env, image, truth, NULL, &comparison), STP_OK);
+    assert_int_equal(survey_make(NULL, scene, &camera, &params, &survey), STP_OK);
+    assert_int_equal(probe_make(NULL, scene, &camera, &params, &survey, &every, &probe), STP_OK);
+    assert_int_equal(plan_judge(NULL, &probe, plan, NULL, false, &error), STP_OK);
+    double levels = probe_levels_error(&device.env, &probe.view);
+    double actual = comparison.covered.mean_absolute,
+           rounded = error.rounding + plan_rounding(plan);
+    assert_true(levels > 0 && levels < 5e-3);
+    assert_true(error.mean < 1e-6 && actual > error.mean + rounded); /* the levels show */
+    assert_true(actual <= error.mean + rounded + levels);
+    probe_release(&probe);
+    survey_release(&survey);
+    stp_image_destroy(&image);
+    stp_image_destroy(&truth);
+    stp_plan_destroy(&plan);
+    stp_scene_destroy(&scene);
 }
 
 /* 1e4 in a picture: relative to the larger of 1 and the channel. */
@@ -155,10 +195,10 @@ static void test_tiles(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_sharp),   cmocka_unit_test(test_mirrors),
-        cmocka_unit_test(test_lamp),    cmocka_unit_test(test_all_around),
-        cmocka_unit_test(test_samples), cmocka_unit_test(test_between_levels),
-        cmocka_unit_test(test_tiles),
+        cmocka_unit_test(test_sharp),          cmocka_unit_test(test_mirrors),
+        cmocka_unit_test(test_estimate),       cmocka_unit_test(test_lamp),
+        cmocka_unit_test(test_all_around),     cmocka_unit_test(test_samples),
+        cmocka_unit_test(test_between_levels), cmocka_unit_test(test_tiles),
     };
     return cmocka_run_group_tests(tests, open_device, close_device);
 }

@@ -401,6 +401,11 @@ static void test_refused(void **state)
                      STP_ERROR_ARGUMENT);
     assert_int_equal(log.lines, 2);
     assert_int_equal(choice.count, 77);
+    in.params = (struct stp_render_params){ .method = STP_METHOD_AXIS, .max_error = 1e-6 };
+    assert_int_equal(stp_choose(&env, in.scene, &in.camera, NULL, &in.params, &in.limits, &choice),
+                     STP_OK);
+    assert_true(choice.count == 0 && !choice.met && log.lines == 3);
+    assert_non_null(strstr(log.last, "not looked at"));
     release_inputs(&in);
 }
 
