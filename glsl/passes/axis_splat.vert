@@ -3,6 +3,7 @@
 // Three vertices a kernel: a triangle around its outline on the screen. Fragments decide exactly, so
 // this only has to be wide enough.
 #include "lib/common.glsl"
+#include "lib/clip.glsl"
 #include "lib/axis.glsl"
 #include "lib/ellipsoid.glsl"
 
@@ -14,12 +15,6 @@ layout(location = 4) flat out vec4 vary_lens; // the picture's centre, and what 
 
 const float WIDE = 2.02; // an equilateral triangle of inradius 1 reaches 2
 const float NEAR = 0.2;  // reach over least depth, up to which the outline is nearly an ellipse
-
-vec4 to_clip(vec2 pixel)
-{
-    vec2 size = vec2(frame.tile_width, frame.tile_height);
-    return vec4((pixel - vec2(frame.tile_x, frame.tile_y)) * 2 / size - 1, 0.5, 1);
-}
 
 // Around the ellipse of the centre's ray, wider by what perspective can bend it.
 vec2 around_ellipse(vec3 c, vec3 form, uint corner, float bend)
@@ -79,10 +74,9 @@ void main()
     vec3 h = e.extent;
     float least = e.centre.z - h.z, bend = max(h.x, max(h.y, h.z)) / max(least, 1e-30);
     bool simple = ORTHOGRAPHIC || (least > frame.near_depth && bend < NEAR);
-    vec4 place = to_clip(simple ? around_ellipse(e.centre, ellipsoid_form(e), corner,
-                                                 ORTHOGRAPHIC ? 0 : bend)
-                                : around_box(e.centre, h, corner));
-    gl_Position = known ? place : NO_VERTEX;
+    vec2 place = simple ? around_ellipse(e.centre, ellipsoid_form(e), corner, ORTHOGRAPHIC ? 0 : bend)
+                        : around_box(e.centre, h, corner);
+    gl_Position = known ? to_clip(place, 0.5, 1) : NO_VERTEX;
     vary_place = vec4(e.centre, e.tau);
     vary_color = vec4(color, frame.tile_x);
     vary_r = vec4(e.r, frame.tile_y);

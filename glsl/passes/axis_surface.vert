@@ -3,6 +3,7 @@
 // Three vertices a surface splat: a triangle around its outline on the screen. Fragments decide
 // exactly, so this only has to be wide enough.
 #include "lib/common.glsl"
+#include "lib/clip.glsl"
 #include "lib/gaussian.glsl"
 
 layout(location = 0) flat out vec4 vary_head;
@@ -15,12 +16,6 @@ const float WIDE = 2.02;    // an equilateral triangle of inradius 1 reaches 2
 const float BEND = 0.2;     // of v over the outline, up to which it is nearly an ellipse
 const float SLACK = 0.0625; // pixels: vertices are snapped to 1/256 of one
 const float LOSS = 1e-6;    // of what determinants of floats lose, relative to their terms
-
-vec4 to_clip(vec2 pixel)
-{
-    vec2 size = vec2(frame.tile_width, frame.tile_height);
-    return vec4((pixel - vec2(frame.tile_x, frame.tile_y)) * 2 / size - 1, 0.5, 1);
-}
 
 // The outline is s^2 + t^2 = v^2. Of (x, y, 1) = K (cos, sin, 1) v, K the inverse of the rows, tangents
 // across: bounds of x and y; false where it is no ellipse.
@@ -69,7 +64,7 @@ void main()
 {
     uint id = frame.order.v[push_first + gl_VertexIndex / 3], corner = gl_VertexIndex % 3;
     GaussianWords w = gaussian_words(id);
-    gl_Position = w.head.y > 0 ? to_clip(corner_of(w, corner)) : NO_VERTEX;
+    gl_Position = w.head.y > 0 ? to_clip(corner_of(w, corner), 0.5, 1) : NO_VERTEX;
     vary_head = w.head;
     vary_s = w.s;
     vary_t = w.t;

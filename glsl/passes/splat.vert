@@ -6,6 +6,7 @@
 // Three vertices a splat, pulled: the triangle around the disc, in its plane; a floored splat gets
 // one around its ellipse on the screen. Fragments decide exactly, so this only has to be wide enough.
 #include "lib/common.glsl"
+#include "lib/clip.glsl"
 #include "lib/splat.glsl"
 #include "lib/key.glsl"
 #include "lib/varying.glsl"
@@ -20,13 +21,6 @@
 // the disc is thinner than some of those on the screen, it gets that much more room; and so does a
 // needle, for clipping rounds a vertex by 2^-24 of its length and more, which is many of its widths.
 const float WIDE = 2.1, SNAP = 0.008, NEEDLE = 1e-6, WIDEST = 6;
-
-vec4 to_clip(vec2 pixel, float z, float w)
-{
-    vec2 size = vec2(frame.tile_width, frame.tile_height);
-    vec2 ndc = (pixel - w * vec2(frame.tile_x, frame.tile_y)) * 2 / size - w;
-    return vec4(ndc, z, w);
-}
 
 vec4 disc_vertex(Splat s, vec2 turn)
 {

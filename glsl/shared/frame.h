@@ -266,6 +266,7 @@ struct stp_frame_constants {
     uint width, height;           /* of the whole picture */
     uint tile_x, tile_y;          /* the region being rendered */
     uint tile_width, tile_height; /* <= width, height */
+    float guard;                  /* raster: what the tile takes of clip space */
     uint blocks_x, blocks_y;
     uint light_count;
     float background[4];  /* premultiplied */

@@ -147,6 +147,8 @@ struct stp_calibration {
     double ns[STP_COST_KINDS][STP_COST_TERMS];
 };
 
+enum stp_processor { STP_PROCESSOR_CPU = 1, STP_PROCESSOR_GPU = 2 };
+
 /* What a device can do: hand-filled in tests, read from a profile or from a device. */
 struct stp_limits {
     char device[256], driver[256];
@@ -156,7 +158,7 @@ struct stp_limits {
     uint32_t max_image_size, max_image_layers;
     uint32_t max_workgroups; /* along x */
     uint32_t max_texels;     /* of a buffer that is fetched as texels */
-    uint32_t processor;      /* 1: a CPU device, 2: a GPU */
+    uint32_t processor;      /* enum stp_processor */
     struct stp_calibration calibration;
 };
 /* Mesa 22.3 lavapipe on two cores: what plans are made for when there is no device. */

@@ -80,6 +80,15 @@ static bool shuffles_by_eight(const VkPhysicalDeviceVulkan11Properties *p,
            (p->subgroupSupportedOperations & needed) == needed;
 }
 
+/* A side of images that are drawn to; viewports are as large at least. */
+static uint32_t largest_target(const VkPhysicalDeviceLimits *l)
+{
+    uint32_t framebuffer = l->maxFramebufferWidth < l->maxFramebufferHeight
+                               ? l->maxFramebufferWidth
+                               : l->maxFramebufferHeight;
+    return l->maxImageDimension2D < framebuffer ? l->maxImageDimension2D : framebuffer;
+}
+
 bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice device,
                        struct stp_device_info *info)
 {
@@ -109,11 +118,12 @@ bool gpu_device_survey(const struct gpu_instance *instance, VkPhysicalDevice dev
     l->max_allocation = v11.maxMemoryAllocationSize < v13.maxBufferSize
                             ? v11.maxMemoryAllocationSize
                             : v13.maxBufferSize;
-    l->max_image_size = p.properties.limits.maxImageDimension2D;
+    l->max_image_size = largest_target(&p.properties.limits);
     l->max_image_layers = p.properties.limits.maxImageArrayLayers;
     l->max_workgroups = p.properties.limits.maxComputeWorkGroupCount[0];
     l->max_texels = p.properties.limits.maxTexelBufferElements;
-    l->processor = p.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? 1 : 2;
+    l->processor = p.properties.deviceType == VK_PHYSICAL_DEVICE_TYPE_CPU ? STP_PROCESSOR_CPU
+                                                                          : STP_PROCESSOR_GPU;
     survey_features(instance, device, info);
     survey_memory(instance, device, l);
     if (l->max_texels >= PLAN_MANY_TEXELS)

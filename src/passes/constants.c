@@ -68,6 +68,17 @@ _Static_assert(sizeof(struct stp_frame_constants) % 4 == 0 &&
                    sizeof(struct stp_frame_constants) < 65536,
                "vkCmdUpdateBuffer");
 
+#define WIDEST_GUARD 4
+
+float pass_guard(const struct stp_plan *plan, const struct plan_tile *tile)
+{
+    uint32_t most = plan->limits.max_image_size, guard = 1;
+    while (guard < WIDEST_GUARD && tile->width <= most / guard / 2 &&
+           tile->height <= most / guard / 2)
+        guard *= 2;
+    return (float)guard;
+}
+
 struct stp_frame_constants pass_constants(const struct stp_plan *plan,
                                           const struct pass_resources *resources,
                                           const struct plan_tile *tile)
@@ -82,6 +93,7 @@ struct stp_frame_constants pass_constants(const struct stp_plan *plan,
     constants.tile_y = tile->y;
     constants.tile_width = tile->width;
     constants.tile_height = tile->height;
+    constants.guard = 1 / pass_guard(plan, tile);
     constants.blocks_x = (tile->width + STP_BLOCK - 1) / STP_BLOCK;
     constants.blocks_y = (tile->height + STP_BLOCK - 1) / STP_BLOCK;
     if (plan->method == STP_METHOD_PYRAMID) {

@@ -36,6 +36,12 @@ struct pass_resources {
 
 #define PASS_MOST_COLORS 4
 
+/* constants.c: how many times as wide and high as the tile its viewport is, in powers of two, which
+ * change no bit of where triangles fall. Where one vertex of thousands lies outside the viewport, a
+ * software device sends the triangles of all of them through its clipper, which takes three times
+ * as long. */
+float pass_guard(const struct stp_plan *plan, const struct plan_tile *tile);
+
 /* constants.c: the frame block of one tile, addresses filled in. */
 struct stp_frame_constants pass_constants(const struct stp_plan *plan,
                                           const struct pass_resources *resources,

@@ -258,8 +258,11 @@ void pass_record_raster(struct stp_context *context, VkCommandBuffer commands,
                                   .colorAttachmentCount = targets.color_count,
                                   .pColorAttachments = colors,
                                   .pDepthAttachment = targets.depth == PLAN_NONE ? NULL : &depth };
-    VkViewport viewport = { .width = (float)tile->width,
-                            .height = (float)tile->height,
+    float guard = pass_guard(plan, tile), around = (guard - 1) / 2;
+    VkViewport viewport = { .x = -around * (float)tile->width,
+                            .y = -around * (float)tile->height,
+                            .width = guard * (float)tile->width,
+                            .height = guard * (float)tile->height,
                             .maxDepth = 1 };
     context->vk.vkCmdBeginRendering(commands, &rendering);
     context->vk.vkCmdBindPipeline(commands, VK_PIPELINE_BIND_POINT_GRAPHICS, pipeline);

@@ -111,6 +111,45 @@ static void test_order_of_points(void **state)
     device_close(&device);
 }
 
+static struct stp_image *render_under(struct device *device, const struct stp_scene *scene,
+                                      const struct stp_camera *camera,
+                                      const struct stp_render_params *params, uint32_t most)
+{
+    struct stp_limits limits = *stp_context_limits(device->context);
+    struct stp_plan *plan = NULL;
+    limits.max_image_size = most;
+    assert_int_equal(stp_plan_create(&device->env, scene, camera, params, &limits, &plan), STP_OK);
+    struct stp_image *image = device_render_plan(device, scene, plan);
+    stp_plan_destroy(&plan);
+    return image;
+}
+
+/* Across the picture's border, under viewports that are as large as the picture, twice and four
+ * times. */
+static void test_border(void **state)
+{
+    struct device device;
+    device_open(&device, 0);
+    struct stp_scene *scene = surface(&device.env, 1, true, true);
+    struct stp_camera camera = framed(scene);
+    camera.fx *= 2.5;
+    camera.fy *= 2.5;
+    for (unsigned i = 0; i < WAYS; i++) {
+        struct stp_render_params p = way(i, 127);
+        if (p.path != STP_PATH_RASTER)
+            continue;
+        struct stp_image *narrow = render_under(&device, scene, &camera, &p, WIDTH);
+        for (uint32_t guard = 2; guard <= 8; guard *= 2) {
+            struct stp_image *wide = render_under(&device, scene, &camera, &p, guard * WIDTH);
+            expect_same_bits(wide, narrow, ways[i].name);
+            stp_image_destroy(&wide);
+        }
+        stp_image_destroy(&narrow);
+    }
+    stp_scene_destroy(&scene);
+    device_close(&device);
+}
+
 static void test_tiles(void **state)
 {
     static const uint64_t limits[] = { 2 << 20, 300 << 10, 60 << 10 };
@@ -235,9 +274,8 @@ int main(void)
 {
     const struct CMUnitTest tests[] = {
         cmocka_unit_test(test_threads), /* before this process loads a driver */
-        cmocka_unit_test(test_order_of_points),
-        cmocka_unit_test(test_tiles),
-        cmocka_unit_test(test_tiles_of_eye_dome),
+        cmocka_unit_test(test_order_of_points), cmocka_unit_test(test_border),
+        cmocka_unit_test(test_tiles),           cmocka_unit_test(test_tiles_of_eye_dome),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }
