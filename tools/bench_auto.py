@@ -97,7 +97,7 @@ SMALL = ["--size", "800x600", "-q"]
 def taken(text):
     """From the plan's text: what was taken, and the error that was predicted."""
     why = re.search(r"^why: (.*)$", text, re.M).group(1)
-    overlap = re.search(r"(\d+) groups at overlap ([0-9.]+)", why)
+    overlap = re.search(r"(\d+) groups? at overlap ([0-9.]+)", why)
     words = list(re.search(r"^method (\S+), path (\S+),", text, re.M).groups())
     layers = re.search(r"peel is .*: the (\d+) nearest layers", why)
     most = re.search(r"error at most ([-0-9.e]+)\)", why)
@@ -234,23 +234,25 @@ def dot(a, b):
 
 
 def least_squares(rows, known, lean):
-    """Prices >= 0 of least relative residuals, leaning on known ones: as src/plan/fit.c."""
+    """Prices >= 0 of least (predicted - measured)^2 / measured, leaning on known ones: as src/plan/fit.c."""
     terms = sorted({term for _, amount in rows for term in amount})
-    columns = [[amount.get(term, 0) / (1e6 * ms) for ms, amount in rows] for term in terms]
+    root = [(1e6 * ms) ** 0.5 for ms, _ in rows]
+    columns = [[amount.get(term, 0) / r for r, (_, amount) in zip(root, rows)] for term in terms]
     scale = [dot(column, column) ** -0.5 for column in columns]
     columns = [[v * s for v in column] for column, s in zip(columns, scale)]
     old = [known.get(term, 0) / s for term, s in zip(terms, scale)]
     predicted = [dot(old, row) for row in zip(*columns)]
-    level = sum(predicted) / dot(predicted, predicted) if any(predicted) else 0
-    price, left = [0.0] * len(terms), [1.0] * len(rows)
+    level = dot(predicted, root) / dot(predicted, predicted) if any(predicted) else 0
+    price, left = [0.0] * len(terms), list(root)
     for _ in range(4000):
         for t, column in enumerate(columns):
             pull = dot(column, left) + lean * (level * old[t] - price[t])
             step = max(-price[t], pull / (1 + lean))
             price[t] += step
             left = [r - step * v for v, r in zip(column, left)]
-    spread = (dot(left, left) / len(left)) ** 0.5
-    return {term: p * s for term, p, s in zip(terms, price, scale) if p > 0}, spread
+    spread = (sum((r / whole) ** 2 for r, whole in zip(left, root)) / len(left)) ** 0.5
+    found = {term: level * known[term] for term in known if term not in terms}
+    return found | {term: p * s for term, p, s in zip(terms, price, scale) if p > 0}, spread
 
 
 WORDS = {"two-pass compute": "TWO_PASS", "two-pass compute color": "TWO_PASS_COLOR",

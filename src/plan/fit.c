@@ -8,7 +8,7 @@
 #define SWEEPS     20000
 #define STILL      1e-12 /* relative change of a sweep */
 
-/* The normal equations of the relative residuals, every term scaled to a length of 1. */
+/* The normal equations, every term scaled to a length of 1. */
 struct normal {
     double a[MOST_TERMS][MOST_TERMS], b[MOST_TERMS], scale[MOST_TERMS];
 };
@@ -19,7 +19,7 @@ static void build(size_t rows, unsigned terms, const double *amount, const doubl
     *n = (struct normal){ 0 };
     for (size_t i = 0; i < rows; i++)
         for (unsigned t = 0; t < terms; t++) {
-            double x = amount[i * terms + t] / measured[i];
+            double x = amount[i * terms + t];
             n->b[t] += x;
             for (unsigned u = 0; u < terms; u++)
                 n->a[t][u] += x * amount[i * terms + u] / measured[i];

@@ -23,7 +23,7 @@ void stp_limits_lavapipe(struct stp_limits *limits)
         .max_image_layers = 2048,
         .max_workgroups = 65535,
         .max_texels = PLAN_MANY_TEXELS,
-        .processor = 1,
+        .processor = STP_PROCESSOR_CPU,
     };
     calibration_built_in(&limits->calibration);
 }
@@ -97,7 +97,7 @@ static enum stp_result read_limits(const struct json_at *at, const cJSON *root,
     if (result == STP_OK)
         result = get_count(at, root, "max_texels", 0x1p32 - 1, &texels);
     if (result == STP_OK)
-        result = get_count(at, root, "processor", 2, &processor);
+        result = get_count(at, root, "processor", STP_PROCESSOR_GPU, &processor);
     if (result == STP_OK)
         result = calibration_from_json(at, root, &limits->calibration);
     if (result != STP_OK)

@@ -15,15 +15,17 @@
 #include "study/study.h"
 #include "study/yardstick.h"
 
-#define ROUNDS     3     /* at most: what has met a slow spell is timed again in the next */
-#define PATIENCE   40000 /* milliseconds, of all waiting for the end of spells */
-#define STEADY     1.2   /* times the yardstick's least: no slow spell */
-#define MOST_TIMED 8     /* frames of a visit */
-#define ENOUGH     12    /* milliseconds of them */
-#define LINE_SIZE  512
-#define MOST_ROWS  64 /* of a kind */
-#define MOST_HELD  128
-#define CELLS      64 /* of a probe that counts layers */
+#define SURE_ROUNDS 2     /* in which all is timed: the yardstick does not see every spell */
+#define ROUNDS      3     /* at most: what has met a slow spell is timed again in the next */
+#define PATIENCE    40000 /* milliseconds, of all waiting for the end of spells */
+#define STEADY      1.2   /* times the yardstick's least: no slow spell */
+#define LEAST_TIMED 3     /* frames of a visit */
+#define MOST_TIMED  8
+#define ENOUGH      12 /* milliseconds of them */
+#define LINE_SIZE   512
+#define MOST_ROWS   64 /* of a kind */
+#define MOST_HELD   128
+#define CELLS       64 /* of a probe that counts layers */
 
 struct rows {
     bool plain; /* colours make no difference to this kind */
@@ -51,6 +53,7 @@ struct calibrating {
     struct yardstick yardstick;
     double least;  /* of its readings */
     double waited; /* milliseconds */
+    unsigned round;
     /* Compiling takes longer than the frames: what one frame compiled is held for others. */
     unsigned held_count;
     struct record_pipelines *held[MOST_HELD];
@@ -68,13 +71,15 @@ static void hold(struct calibrating *c, struct record_pipelines *pipelines)
     }
 }
 
-/* The least of a few warm frames: what disturbs a frame only lengthens it. The first compiles, or
- * touches new memory, which takes as long as a price or two of a large picture's pixels. */
+/* The median of a few warm frames, as a report has it: compute's frames spread more than the
+ * rasteriser's, whose least is nearer to what they usually take. The first compiles, or touches new
+ * memory, which takes as long as a price or two of a large picture's pixels. */
 static enum stp_result time_plan(struct calibrating *c, const struct bed *bed,
                                  const struct stp_plan *plan, double *ms)
 {
     struct record_frame frame;
-    double each, unused, spent = 0;
+    double each[MOST_TIMED], unused, spent = 0;
+    unsigned n = 0;
     enum stp_result result = record_frame_create(&c->quiet, c->context, plan, &frame);
     if (result != STP_OK)
         return result;
@@ -82,12 +87,12 @@ static enum stp_result time_plan(struct calibrating *c, const struct bed *bed,
     result = record_upload(&c->quiet, &frame, bed->scene);
     if (result == STP_OK)
         result = record_run(&c->quiet, &frame, bed->scene, NULL, &unused, &unused);
-    *ms = INFINITY;
-    for (unsigned i = 0; result == STP_OK && i < MOST_TIMED && spent < ENOUGH; i++) {
-        result = record_run(&c->quiet, &frame, bed->scene, NULL, &each, &unused);
-        *ms = fmin(*ms, each);
-        spent += each;
+    for (; result == STP_OK && n < MOST_TIMED && (n < LEAST_TIMED || spent < ENOUGH); n++) {
+        result = record_run(&c->quiet, &frame, bed->scene, NULL, &each[n], &unused);
+        spent += each[n];
     }
+    if (result == STP_OK)
+        *ms = report_times(each, n).median;
     record_frame_destroy(&frame);
     return result;
 }
@@ -122,7 +127,7 @@ static enum stp_result add_row(struct calibrating *c, const struct bed *bed,
         return STP_OK;
     seen[kind] = true;
     rows->plain = rows->plain || !bed->colored;
-    if (again && rows->pace[i] <= STEADY * c->least)
+    if (again && c->round >= SURE_ROUNDS && rows->pace[i] <= STEADY * c->least)
         return STP_OK;
     enum stp_result result = sit_out(c);
     double pace = c->yardstick.ms;
@@ -202,7 +207,8 @@ static enum stp_result make_bed(struct calibrating *c, const struct calibrate_sc
 {
     struct calibrate_scene grown = *what;
     struct bed *bed = &c->bed[index];
-    if (c->context->limits.processor == 2) { /* whose frames would be too short to tell apart */
+    if (c->context->limits.processor ==
+        STP_PROCESSOR_GPU) { /* whose frames would be too short to tell apart */
         grown.splats *= 4;
         grown.size *= 2;
     }
@@ -265,12 +271,12 @@ static void fit(const struct calibrating *c, struct stp_calibration *calibration
 }
 
 static enum stp_result run_round(struct calibrating *c, const struct calibrate_scene *scenes,
-                                 unsigned count, unsigned round)
+                                 unsigned count)
 {
     enum stp_result result = STP_OK;
     for (unsigned i = 0; result == STP_OK && i < count; i++) {
-        log_progress(c->env, "calibrate", (double)(round * count + i) / (ROUNDS * count));
-        if (round == 0)
+        log_progress(c->env, "calibrate", (double)(c->round * count + i) / (ROUNDS * count));
+        if (c->round == 0)
             result = make_bed(c, &scenes[i], i);
         if (result == STP_OK)
             result = run_bed(c, &c->bed[i]);
@@ -302,8 +308,8 @@ enum stp_result calibrate_measure(const struct stp_env *env, struct stp_context 
         return log_no_memory(env, PLAN_COSTS * sizeof *c.rows, "the calibration");
     }
     context->env = &c.quiet;
-    for (unsigned round = 0; result == STP_OK && round < ROUNDS; round++)
-        result = run_round(&c, scenes, count, round);
+    for (; result == STP_OK && c.round < ROUNDS; c.round++)
+        result = run_round(&c, scenes, count);
     context->env = NULL;
     if (result == STP_OK)
         fit(&c, calibration);
@@ -325,7 +331,7 @@ enum stp_result stp_calibrate(const struct stp_env *env, struct stp_context *con
     if (result == STP_OK && path && !p->again)
         result = calibrate_cache_read(env, path, &context->limits, &read, &found);
     if (result == STP_OK && !found && !p->only_cached) {
-        log_info(env, "calibrating %s: some seconds, once", context->limits.device);
+        log_info(env, "calibrating %s: about a minute, once", context->limits.device);
         result = calibrate_measure(env, context, calibrate_scenes, calibrate_scene_count, &read);
     }
     if (result == STP_OK && (found || !p->only_cached)) {

@@ -23,7 +23,7 @@ extern const unsigned calibrate_scene_count;
 enum stp_result calibrate_scene_make(const struct stp_env *env, const struct calibrate_scene *what,
                                      struct stp_scene **scene, struct stp_camera *camera);
 
-/* Measures on these scenes: some seconds for all of them. */
+/* Measures on these scenes: about a minute for all of them. */
 enum stp_result calibrate_measure(const struct stp_env *env, struct stp_context *context,
                                   const struct calibrate_scene *scenes, unsigned count,
                                   struct stp_calibration *calibration);

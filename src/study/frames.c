@@ -13,7 +13,7 @@
 uint64_t study_budget(const struct stp_context *context)
 {
     const struct stp_limits *limits = stp_context_limits(context);
-    if (limits->processor != 1)
+    if (limits->processor != STP_PROCESSOR_CPU)
         return limits->heap_bytes / 2;
     long pages = sysconf(_SC_AVPHYS_PAGES), size = sysconf(_SC_PAGESIZE);
     return pages > 0 && size > 0 ? (uint64_t)pages * (uint64_t)size / 2 : limits->heap_bytes / 2;

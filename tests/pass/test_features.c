@@ -115,7 +115,7 @@ static void test_vertex_layer(void **state)
     struct stp_camera camera = hard_view(0, 61, 45);
     struct stp_limits gpu = *stp_context_limits(device.context);
     struct stp_group_params groups = { .overlap = 0.6 };
-    gpu.processor = 2;
+    gpu.processor = STP_PROCESSOR_GPU;
     assert_int_equal(stp_scene_group(&device.env, scene, &groups), STP_OK);
     for (int i = 0; i < 4; i++) {
         struct stp_plan *layered = NULL, *by_layer = NULL, *masked = NULL;

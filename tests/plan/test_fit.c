@@ -43,7 +43,7 @@ static double slope(const double *amount, const double *measured, const double *
         double predicted = 0;
         for (int t = 0; t < TERMS; t++)
             predicted += amount[i * TERMS + t] * price[t];
-        sum += (predicted - measured[i]) / measured[i] * amount[i * TERMS + term] / measured[i];
+        sum += (predicted - measured[i]) * amount[i * TERMS + term] / measured[i];
     }
     return sum;
 }
@@ -52,7 +52,7 @@ static double length(const double *amount, const double *measured, int term)
 {
     double sum = 0;
     for (int i = 0; i < ROWS; i++)
-        sum += pow(amount[i * TERMS + term] / measured[i], 2);
+        sum += pow(amount[i * TERMS + term], 2) / measured[i];
     return sqrt(sum);
 }
 

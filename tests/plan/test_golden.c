@@ -84,7 +84,7 @@ static void test_deferred_raster_layered(void **state)
     color_inputs(&in);
     in.params.method = STP_METHOD_DEFERRED;
     in.params.path = STP_PATH_RASTER;
-    in.limits.processor = 2;
+    in.limits.processor = STP_PROCESSOR_GPU;
     expect_golden(&in, "deferred_raster_layered");
 }
 

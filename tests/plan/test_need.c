@@ -194,7 +194,7 @@ static void large(struct inputs *in)
 }
 static void gpu(struct inputs *in)
 {
-    in->limits.processor = 2;
+    in->limits.processor = STP_PROCESSOR_GPU;
 }
 
 /* The discs lie 3 before the eye, 0.1 wide. */
