@@ -169,6 +169,9 @@ void console_error(struct console *console, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
 void console_warning(struct console *console, const char *format, ...)
     __attribute__((format(printf, 2, 3)));
+/* With --verbose only. */
+void console_info(struct console *console, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
 double seconds_now(void);
 
 /* output.c */
@@ -197,6 +200,9 @@ int exit_of_input(enum stp_result result);
 /* times may be NULL. */
 int load_and_prepare(struct console *console, const struct settings *settings, const char *path,
                      struct stp_scene **scene, struct run_times *times);
+/* Whether float32 has lost where the points lie: normals are off by degrees where its steps are a
+ * sixteenth of a radius and more. */
+bool facts_coarse(const struct stp_facts *facts);
 /* False, and says so, where --camera and the options of framing contradict each other. */
 bool camera_usage_right(const struct settings *settings);
 /* The camera of frame `frame`: of --camera, of the scene, or framed. *count (may be NULL) gets

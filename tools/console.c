@@ -86,6 +86,14 @@ void console_warning(struct console *console, const char *format, ...)
     va_end(args);
 }
 
+void console_info(struct console *console, const char *format, ...)
+{
+    va_list args;
+    va_start(args, format);
+    print_format(console, STP_LOG_INFO, format, args);
+    va_end(args);
+}
+
 static int terminal_width(void)
 {
     struct winsize size;

@@ -7,7 +7,7 @@
 
 static const char *processor_text(const struct stp_limits *limits)
 {
-    return limits->processor == 1 ? "software" : "GPU";
+    return limits->processor == STP_PROCESSOR_CPU ? "software" : "GPU";
 }
 
 static void print_features(const struct stp_limits *limits)
@@ -56,7 +56,7 @@ static unsigned select_devices(struct stp_device_info *devices, unsigned count, 
 {
     unsigned kept = 0;
     for (unsigned i = 0; i < count; i++)
-        if (!part || strstr(devices[i].limits.device, part))
+        if (!part || strcasestr(devices[i].limits.device, part))
             devices[kept++] = devices[i];
     return kept;
 }
@@ -136,8 +136,9 @@ int run_devices(struct settings *settings)
         count = select_devices(devices, count, part);
     if (devices && count == 0)
         console_error(&console,
-                      "no Vulkan device%s%s; mesa-vulkan-drivers brings one that needs no GPU",
-                      part ? " whose name holds " : "", part ? part : "");
+                      part ? "no Vulkan device is called \"%s\"; see stipple devices"
+                           : "no Vulkan device; mesa-vulkan-drivers brings one that needs no GPU",
+                      part);
     else if (devices)
         status = show(&console, settings, devices, count);
     console_close(&console);

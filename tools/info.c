@@ -62,6 +62,10 @@ static void find_problems(const struct stp_facts *facts, struct problems *proble
         problems->count < MAX_PROBLEMS)
         snprintf(problems->line[problems->count++], sizeof problems->line[0],
                  "normals point inward: lit on both sides");
+    if (facts_coarse(facts) && problems->count < MAX_PROBLEMS)
+        snprintf(problems->line[problems->count++], sizeof problems->line[0],
+                 "coordinates are float32 in steps of %.3g: too coarse for radii of %.3g",
+                 facts->float_step, (double)facts->radius_median);
 }
 
 /* "NAME" of "a/b/NAME.ply.gz", for a suggested output in the current directory. */
@@ -290,6 +294,7 @@ static void add_shape(struct json_out *out, cJSON *json, const struct stp_facts 
     const double radius[] = { facts->radius_min, facts->radius_median, facts->radius_max };
     json_numbers(out, json, "bounds", facts->bounds, 6);
     json_numbers(out, json, "origin", facts->origin, 3);
+    json_number(out, json, "float_step", facts->float_step);
     json_text(out, json, "up", up[facts->up]);
     cJSON *radii = json_object(out, json, "radius");
     json_number(out, radii, "min", radius[0]);

@@ -130,6 +130,13 @@ static int render_share(struct run *run, struct frame *frame, enum stp_result pl
     return together(run, result == STP_OK ? EXIT_DONE : EXIT_FAILED);
 }
 
+static void tell_why(struct run *run, const struct stp_plan *plan)
+{
+    struct stp_plan_summary summary;
+    stp_plan_summarize(plan, &summary);
+    console_info(&run->console, "%s", summary.why);
+}
+
 static int render_frame(struct run *run, struct frame *frame)
 {
     const struct settings *settings = run->settings;
@@ -148,6 +155,8 @@ static int render_frame(struct run *run, struct frame *frame)
     const struct stp_env *env = &run->console.env;
     enum stp_result result =
         stp_plan_create(env, run->scene, &frame->camera, &choice.params, limits, &frame->plan);
+    if (result == STP_OK)
+        tell_why(run, frame->plan);
     if (run->shared)
         return render_share(run, frame, result);
     if (result == STP_OK)
@@ -269,6 +278,20 @@ static int render_frames(struct run *run)
     return status;
 }
 
+static void tell_lost(struct run *run)
+{
+    const struct stp_facts *facts = stp_scene_facts(run->scene);
+    size_t dropped = facts->volume.dims[0] > 0 ? 0 : facts->not_finite;
+    if (dropped)
+        console_warning(&run->console, "%s: %zu %s dropped", run->settings->files[0], dropped,
+                        dropped == 1 ? "point is not finite:" : "points are not finite:");
+    if (facts_coarse(facts))
+        console_warning(&run->console,
+                        "%s: coordinates are float32 in steps of %.3g, too coarse for radii of "
+                        "%.3g: where points lie is lost in the file",
+                        run->settings->files[0], facts->float_step, (double)facts->radius_median);
+}
+
 static int load(struct run *run)
 {
     const struct settings *settings = run->settings;
@@ -279,6 +302,8 @@ static int load(struct run *run)
         context_start(&run->job, &run->console, &settings->context);
     int status =
         load_and_prepare(&run->console, settings, settings->files[0], &run->scene, &run->times);
+    if (status == EXIT_DONE)
+        tell_lost(run);
     if (status == EXIT_DONE && perhaps) {
         on_device = !stp_scene_facts(run->scene)->transparent;
         if (on_device)

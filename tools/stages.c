@@ -168,6 +168,11 @@ static void tell_unused(struct console *console, const struct settings *settings
     console->told_unused = true;
 }
 
+bool facts_coarse(const struct stp_facts *facts)
+{
+    return facts->float_step > (double)facts->radius_median / 16;
+}
+
 int choose_way(struct console *console, const struct settings *settings, struct stp_scene *scene,
                const struct stp_camera *camera, const struct stp_limits *limits,
                struct stp_choice *choice)

@@ -32,7 +32,7 @@ struct stp_calibrate_params {
 };
 /* Finds the prices that stp_choose decides by, and puts them into the context's limits: from the
  * cache ($XDG_CACHE_HOME/stipple, else ~/.cache/stipple; a file for a device, driver and version of
- * this library), else by timing synthetic scenes, which takes some seconds, and then fills the
+ * this library), else by timing synthetic scenes, which takes about a minute, and then fills the
  * cache. Without it a device has the built-in prices of Mesa's software device. A cache that is
  * damaged or cannot be written costs a warning, no more. */
 STP_API enum stp_result stp_calibrate(const struct stp_env *env, struct stp_context *context,

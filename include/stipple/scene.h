@@ -219,6 +219,8 @@ struct stp_facts {
     double outwardness;   /* sum r^2 n.(p - centroid) / sum r^2 |p - centroid|, [-1, 1] */
     double bounds[6];     /* of the centres: min x y z, max x y z; absolute */
     double origin[3];     /* positions on the device are relative to it */
+    double float_step;    /* all coordinates are float32, whose steps are so large at the largest of
+                             them; 0: they are finer, or stay in their file */
     float radius_min, radius_median, radius_max;
     size_t phong;      /* splats that are ellipses, have a normal field or clip lines */
     size_t clip_lines; /* of them, those with clip lines */

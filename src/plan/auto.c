@@ -2,11 +2,13 @@
  * until the cheapest one is accepted; so scenes are only grouped where groups could pay. */
 #include "plan/auto.h"
 
+#include <assert.h>
 #include <math.h>
 #include <stdlib.h>
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "prepare/prepare.h"
 #include "reference/reference.h"
 
 /* Does the candidate do what the caller has fixed? */
@@ -22,19 +24,25 @@ static bool allowed(const struct choosing *c, const struct plan_candidate *way)
             p->transparency == STP_TRANSPARENCY_AUTO || p->transparency == way->transparency);
 }
 
-/* What the caller has fixed of a way that has parameters; false: another of the same kind stands
- * for it. */
-static bool fix(const struct choosing *c, struct plan_candidate *way)
+/* What the caller has fixed of a way that has parameters. */
+static void fix(const struct choosing *c, struct plan_candidate *way)
 {
-    unsigned layers = c->params.peel_layers;
-    if ((c->group.overlap > 0 && way->overlap > 0 && way->overlap != 1) ||
-        (layers && way->layers && way->layers != STP_DEFAULT_PEEL_LAYERS))
-        return false;
     if (c->group.overlap > 0 && way->overlap > 0)
         way->overlap = c->group.overlap;
-    if (layers && way->layers)
-        way->layers = layers;
-    return true;
+    if (c->params.peel_layers && way->layers)
+        way->layers = c->params.peel_layers;
+}
+
+/* Ways that differ only in what is fixed have become one. */
+static bool repeated(const struct plan_candidate *way, unsigned i)
+{
+    for (unsigned k = 0; k < i; k++)
+        if (way[k].method == way[i].method && way[k].path == way[i].path &&
+            way[k].payload == way[i].payload && way[k].voronoi == way[i].voronoi &&
+            way[k].transparency == way[i].transparency && way[k].overlap == way[i].overlap &&
+            way[k].layers == way[i].layers)
+            return true;
+    return false;
 }
 
 static enum stp_result add(struct choosing *c, const struct plan_candidate *way, bool slow)
@@ -44,8 +52,7 @@ static enum stp_result add(struct choosing *c, const struct plan_candidate *way,
     const struct auto_local *local = NULL;
     bool applies = false;
     enum stp_result result = STP_OK;
-    if (c->count == STP_MAX_CONSIDERED)
-        return STP_OK;
+    assert(c->count < STP_MAX_CONSIDERED); /* there is room for all offers */
     *candidate = (struct auto_candidate){ .way = *way, .slow = slow, .error = NAN };
     candidate->stage = way->overlap > 0 ? AUTO_PRICED : AUTO_GROUPED;
     if (way->payload == STP_PAYLOAD_AUTO)
@@ -69,10 +76,12 @@ static enum stp_result add_offers(struct choosing *c, bool slow)
         unsigned count = offer->candidates(way);
         if ((offer->transparency != STP_TRANSPARENCY_AUTO) != c->scene->facts.transparent)
             continue;
-        for (unsigned i = 0; result == STP_OK && i < count; i++)
-            if (slow == (way[i].overlap > 0 || offer->draw) && fix(c, &way[i]) &&
+        for (unsigned i = 0; result == STP_OK && i < count; i++) {
+            fix(c, &way[i]);
+            if (slow == (way[i].overlap > 0 || offer->draw) && !repeated(way, i) &&
                 allowed(c, &way[i]))
                 result = add(c, &way[i], slow);
+        }
     }
     return result;
 }
@@ -115,6 +124,17 @@ static struct auto_candidate *most_exact(struct choosing *c)
     return found ? found : &c->candidate[0];
 }
 
+/* Of all overlaps that were tried, only of the one that is taken is it said what it lacks. */
+static enum stp_result use_groups(struct choosing *c, double overlap)
+{
+    struct stp_group_params params = c->group;
+    enum stp_result result = groupings_use(c->env, &c->groupings, &params, overlap);
+    params.overlap = overlap;
+    if (result == STP_OK)
+        group_warn(c->env, c->scene, &params);
+    return result;
+}
+
 static enum stp_result search(struct choosing *c, struct auto_candidate **chosen)
 {
     struct auto_candidate *candidate;
@@ -130,7 +150,7 @@ static enum stp_result search(struct choosing *c, struct auto_candidate **chosen
                     "taken, with up to %.2g",
                     c->bound, (*chosen)->error);
     if ((*chosen)->way.overlap > 0)
-        result = groupings_use(c->env, &c->groupings, &c->group, (*chosen)->way.overlap);
+        result = use_groups(c, (*chosen)->way.overlap);
     return result;
 }
 
@@ -214,14 +234,20 @@ static enum stp_result choose(struct choosing *c, struct stp_choice *choice)
     return result;
 }
 
+/* Of groups the fast way, unless another is asked for. */
+static enum stp_transparency transparency_of(const struct stp_render_params *params)
+{
+    bool fast =
+        params->transparency == STP_TRANSPARENCY_AUTO && params->method == STP_METHOD_DEFERRED;
+    return fast ? STP_TRANSPARENCY_FAST : params->transparency;
+}
+
 /* Media have no surfaces to probe. Layers are composited by what `transparency` says while there is
  * no bound to choose by; groups that cover the surface would have to be made to judge the rest. */
 bool stp_choose_estimates(const struct stp_facts *facts, const struct stp_render_params *params)
 {
     params = plan_params(params);
-    enum stp_transparency t = params->transparency;
-    if (t == STP_TRANSPARENCY_AUTO && params->method == STP_METHOD_DEFERRED)
-        t = STP_TRANSPARENCY_FAST;
+    enum stp_transparency t = transparency_of(params);
     bool judged =
         t == STP_TRANSPARENCY_AUTO || t == STP_TRANSPARENCY_EXACT || t == STP_TRANSPARENCY_PEEL;
     return !plan_of_medium(facts) && (!facts->transparent || (params->max_error > 0 && judged));
@@ -247,7 +273,7 @@ enum stp_result stp_choose(const struct stp_env *env, struct stp_scene *scene,
         if (params->max_error > 0)
             log_warning(env, "the error of %s%s is not estimated: the bound of %g is not looked at",
                         scene->volume ? "volumes and range images" : "transparency ",
-                        scene->volume ? "" : stp_transparency_name(params->transparency),
+                        scene->volume ? "" : stp_transparency_name(transparency_of(params)),
                         params->max_error);
         return STP_OK;
     }

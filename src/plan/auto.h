@@ -58,6 +58,18 @@ static inline double auto_reckoned(const struct auto_candidate *candidate)
     return candidate->ms * (candidate->slow ? AUTO_DOUBT : 1) * (candidate->close ? AUTO_WORTH : 1);
 }
 
+/* auto_judge.c: what a sample says of a way. */
+struct auto_estimate {
+    struct probe_error error;
+    double more; /* that no probe sees */
+    double rare; /* the error of a rare cell */
+    double low, high;
+};
+/* How many cells decide where few do not. */
+#define AUTO_CELLS 1536
+/* Fills low and high from the rest. */
+void auto_conclude(struct auto_estimate *estimate);
+
 /* auto_judge.c: one step further with this candidate. */
 enum stp_result auto_judge(struct choosing *choosing, struct auto_candidate *candidate);
 /* The price under this grouping; *applies false: the candidate cannot be planned. */

@@ -3,15 +3,12 @@
 #include <math.h>
 
 #define CELLS_FEW   256
-#define CELLS_MANY  1536
 #define CELLS_PART  4096     /* of each further look, until all are seen */
 #define LOOK_MOST   67108864 /* fragments of a picture that is looked at whole: some ten seconds */
 #define CELLS_DRAWN 16384    /* where each look takes a picture of its own, as pyramid's */
 /* An estimate counts as within the bound when it still is this many standard errors higher, and as
  * beyond when it still is that many lower. */
 #define CONFIDENCE 3
-/* So many rare cells a sample may have missed: none seen of 3 expected happens once in 20. */
-#define UNSEEN 3
 /* A few cells may miss the few pixels where most of the error is: near the bound the many decide,
  * and while the standard error is more than this share of what is said to be the most. */
 #define TAIL 1.3
@@ -21,13 +18,14 @@
 /* Groups of the probe's splats alone put more or fewer of them together than the scene's: what is
  * this many times beyond the bound with those is not worth grouping the scene for. */
 #define LOCAL_MARGIN 2
-#define DOME_SLOPE                                                                                 \
-    16.0 /* of the eye dome: 8 log2 e, and the floor of the mean, per relative depth */
+/* Of the eye dome (glsl/passes/eye_dome.comp), a share of the light per relative depth: the pixel's
+ * own counts 8 log2 e = 11.5, each of eight neighbours' log2 e; all, independent, 12.2 and less. */
+#define DOME_SLOPE 16.0
 
 enum stp_result auto_probe(struct choosing *c, unsigned which)
 {
     static const struct probe_sample samples[] = { { .cells = CELLS_FEW, .alone = true },
-                                                   { .cells = CELLS_MANY, .alone = true } };
+                                                   { .cells = AUTO_CELLS, .alone = true } };
     if (c->probed[which])
         return STP_OK;
     enum stp_result result = probe_make(c->env, c->scene, c->camera, &c->params, &c->survey,
@@ -94,33 +92,27 @@ static double dome_error(const struct stp_plan *plan)
     return DOME_SLOPE * step / (plan->camera.orthographic ? 1 / plan->frame.eye_dome_scale : depth);
 }
 
-struct estimate {
-    struct probe_error error;
-    double more; /* that no probe sees */
-    double rare; /* the error of a rare cell */
-    double low, high;
-};
-
-/* What the spread does not tell where most of the error is in a few cells: as much as of UNSEEN
- * cells like the worst that was seen, or as the method's rare ones, over those that are left. */
-static double unseen(const struct estimate *e)
+/* What the spread does not tell where most of the error is in a few cells: as much as of
+ * PROBE_UNSEEN cells like the worst that was seen, or as the method's rare ones, over those that
+ * are left. */
+static double unseen(const struct auto_estimate *e)
 {
     const struct probe_tally *t = &e->error.tally;
     if (!(t->n > 0) || t->cells >= t->all_cells)
         return 0;
     double worst = fmax(t->most - t->e / t->cells, e->rare);
-    return UNSEEN * worst * (1 - t->cells / t->all_cells) / t->n;
+    return PROBE_UNSEEN * worst * (1 - t->cells / t->all_cells) / t->n;
 }
 
 /* Whether enough of the picture was seen for any of it to hold: all, or as many cells as COVERED
  * with equally many covered pixels would be. */
-static bool known(const struct estimate *e)
+static bool known(const struct auto_estimate *e)
 {
     const struct probe_tally *t = &e->error.tally;
     return t->cells >= t->all_cells || (t->n > 0 && t->n * t->n >= COVERED * t->nn);
 }
 
-static void conclude(struct estimate *e)
+void auto_conclude(struct auto_estimate *e)
 {
     const struct probe_error *error = &e->error;
     e->low = fmax(0, error->mean - CONFIDENCE * error->spread - error->rounding - e->more);
@@ -131,11 +123,11 @@ static void conclude(struct estimate *e)
 /* What this probe says of the candidate, with the groups of the scene or of the probe alone. */
 static enum stp_result estimate(struct choosing *c, const struct auto_candidate *candidate,
                                 const struct probe *probe, const struct auto_local *local,
-                                struct estimate *e)
+                                struct auto_estimate *e)
 {
     struct stp_plan *plan = NULL;
     const uint8_t *group = local ? local->group : c->scene->splats.group;
-    *e = (struct estimate){ .low = INFINITY, .high = INFINITY };
+    *e = (struct auto_estimate){ .low = INFINITY, .high = INFINITY };
     enum stp_result result = make_plan(c, candidate, &candidate->grouping, &plan);
     if (!plan)
         return result;
@@ -147,7 +139,7 @@ static enum stp_result estimate(struct choosing *c, const struct auto_candidate 
     e->rare = plan_offer_of(plan)->rare * fmax(1, plan->facts.color_max);
     stp_plan_destroy(&plan);
     if (result == STP_OK)
-        conclude(e);
+        auto_conclude(e);
     return result;
 }
 
@@ -156,7 +148,7 @@ static enum stp_result group(struct choosing *c, struct auto_candidate *candidat
 {
     const struct auto_local *local;
     double overlap = candidate->way.overlap;
-    struct estimate e;
+    struct auto_estimate e;
     bool applies;
     enum stp_result result = auto_local(c, overlap, &local);
     if (result == STP_OK)
@@ -178,7 +170,7 @@ static enum stp_result group(struct choosing *c, struct auto_candidate *candidat
 }
 
 /* Nothing more needs to be looked at. margin: how far within the bound is far enough. */
-static bool settled(const struct choosing *c, const struct estimate *e, double margin)
+static bool settled(const struct choosing *c, const struct auto_estimate *e, double margin)
 {
     const struct probe_tally *t = &e->error.tally;
     bool sure = known(e) && e->error.spread <= SURE * e->high;
@@ -188,7 +180,7 @@ static bool settled(const struct choosing *c, const struct estimate *e, double m
 
 /* Part after part of the cells, until they settle it or none is left: then nothing is sampled. */
 static enum stp_result look_on(struct choosing *c, const struct auto_candidate *candidate,
-                               struct estimate *e)
+                               struct auto_estimate *e)
 {
     enum stp_result result = STP_OK;
     uint32_t cells = candidate->way.method == STP_METHOD_PYRAMID ? CELLS_DRAWN : CELLS_PART;
@@ -196,7 +188,7 @@ static enum stp_result look_on(struct choosing *c, const struct auto_candidate *
     for (unsigned k = 0; result == STP_OK && k < parts && !(k && settled(c, e, 1)); k++) {
         const struct probe_sample sample = { .cells = cells, .part = k };
         struct probe probe;
-        struct estimate part;
+        struct auto_estimate part;
         result = probe_make(c->env, c->scene, c->camera, &c->params, &c->survey, &sample, &probe);
         if (result != STP_OK)
             return result;
@@ -205,7 +197,7 @@ static enum stp_result look_on(struct choosing *c, const struct auto_candidate *
         probe_release(&probe);
         if (result == STP_OK && k) {
             probe_error_join(&part.error, &e->error);
-            conclude(&part);
+            auto_conclude(&part);
         }
         *e = part;
     }
@@ -214,7 +206,7 @@ static enum stp_result look_on(struct choosing *c, const struct auto_candidate *
 
 /* The few cells decide when they can, else the many. */
 static enum stp_result sample(struct choosing *c, const struct auto_candidate *candidate,
-                              struct estimate *e, bool *done)
+                              struct auto_estimate *e, bool *done)
 {
     enum stp_result result = STP_OK;
     for (unsigned which = 0; result == STP_OK && which < 2 && !*done; which++) {
@@ -231,7 +223,7 @@ static enum stp_result sample(struct choosing *c, const struct auto_candidate *c
  * minutes. */
 static enum stp_result decide(struct choosing *c, struct auto_candidate *candidate)
 {
-    struct estimate e = { .high = INFINITY };
+    struct auto_estimate e = { .high = INFINITY };
     enum stp_result result = STP_OK;
     bool done = false;
     if (candidate->way.overlap > 0)

@@ -179,7 +179,7 @@ static void explain_axis(struct stp_plan *plan, const char *asked)
         : plan->facts.range.frames
             ? "; measured, that is as near to the exact order as axis lists from where a frame was "
               "taken, 7 dB nearer from aside, and one list for up to three"
-            : "; measured, that is 8 dB and more nearer to the exact order than axis lists, and "
+            : "; measured, that is 7 dB and more nearer to the exact order than axis lists, and "
               "takes less time than blending three of them";
     snprintf(plan->why, sizeof plan->why, "axis is %s: %s, in strict order by %s%s.", asked,
              orders[plan->params.axis_merge],
@@ -191,14 +191,18 @@ static void explain_exact(struct stp_plan *plan, const char *asked)
 {
     bool best = plan->transparency != STP_TRANSPARENCY_AUTO &&
                 plan->params.transparency == STP_TRANSPARENCY_AUTO;
-    const char *slots = plan->payload != STP_PAYLOAD_PACKED
-                            ? "slots carry ids, since the depth range over epsilon exceeds packed "
-                              "depth or ids were asked for"
-                        : plan->constant[PLAN_KEY_IDS]
-                            ? plan->constant[PLAN_PHONG]
-                                  ? "slots are packed, with ids beside for what they cannot hold"
-                                  : "slots are packed into 8 bytes, with ids in place of normals"
-                            : "slots are packed into 8 bytes";
+    bool chosen = plan->params.payload == STP_PAYLOAD_ID, bound = plan->params.prediction.bound > 0;
+    const char *slots =
+        plan->payload != STP_PAYLOAD_PACKED
+            ? chosen
+                  ? bound ? "slots carry ids, which round nothing" : "slots carry ids, as asked for"
+                  : "slots carry ids, since the depth range over epsilon exceeds "
+                    "packed depth"
+        : plan->constant[PLAN_KEY_IDS]
+            ? plan->constant[PLAN_PHONG]
+                  ? "slots are packed, with ids beside for what they cannot hold"
+                  : "slots are packed into 8 bytes, with ids in place of normals"
+            : "slots are packed into 8 bytes";
     snprintf(plan->why, sizeof plan->why,
              "%s is %s: it needs no groups, keeps every fragment of one geometry pass and matches "
              "the reference%s; %s.",
@@ -230,9 +234,10 @@ static void explain(struct stp_plan *plan)
         break;
     case STP_METHOD_DEFERRED:
         snprintf(why, size,
-                 "%s is %s: %u groups at overlap %.3g, one geometry pass by %s, %s keys, Voronoi "
+                 "%s is %s: %u group%s at overlap %.3g, one geometry pass by %s, %s keys, Voronoi "
                  "%s.",
-                 method, asked, plan->facts.grouping.groups, plan->facts.grouping.overlap,
+                 method, asked, plan->facts.grouping.groups,
+                 plan->facts.grouping.groups == 1 ? "" : "s", plan->facts.grouping.overlap,
                  stp_path_name(plan->path), plan->payload == STP_PAYLOAD_PACKED ? "packed" : "id",
                  plan->voronoi == STP_VORONOI_OFF    ? "off"
                  : plan->voronoi == STP_VORONOI_SLAB ? "slab"
@@ -323,10 +328,11 @@ static void choose_constants(struct stp_plan *plan)
     c[PLAN_ATOMIC64] = (plan->limits.features & STP_FEATURE_INT64_ATOMICS) != 0;
     c[PLAN_FLOAT64] = (plan->limits.features & STP_FEATURE_FLOAT64) != 0;
     /* Measured: on a CPU device a pass a layer beats one layered pass. */
-    c[PLAN_LAYERED] =
-        !cover && plan->path == STP_PATH_RASTER && plan->method == STP_METHOD_DEFERRED &&
-        (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 && plan->limits.processor == 2 &&
-        plan->facts.grouping.groups <= plan->limits.max_image_layers;
+    c[PLAN_LAYERED] = !cover && plan->path == STP_PATH_RASTER &&
+                      plan->method == STP_METHOD_DEFERRED &&
+                      (plan->limits.features & STP_FEATURE_VERTEX_LAYER) != 0 &&
+                      plan->limits.processor == STP_PROCESSOR_GPU &&
+                      plan->facts.grouping.groups <= plan->limits.max_image_layers;
 }
 
 enum stp_result plan_choose(const struct stp_env *env, struct stp_plan *plan)

@@ -11,10 +11,7 @@
 #include "base/thread.h"
 #include "reference/reference.h"
 
-#define CELL_PIXELS (PROBE_CELL * PROBE_CELL)
-#define NO_CELL     UINT32_MAX
-#define ACROSS      (SURVEY_BLOCK / PROBE_CELL) /* cells of a block, a side */
-#define BLOCK_CELLS (ACROSS * ACROSS)
+#define BLOCK_CELLS (PROBE_ACROSS * PROBE_ACROSS)
 #define MANY_CELLS  1024 /* a box of more is taken to hold one of the probe */
 
 /* While a probe is made. */
@@ -45,7 +42,8 @@ static unsigned stride_of(unsigned parts)
 
 static size_t place_of(const struct making *m, const uint32_t corner[2])
 {
-    return (size_t)(corner[1] / PROBE_CELL) * m->survey->across * ACROSS + corner[0] / PROBE_CELL;
+    return (size_t)(corner[1] / PROBE_CELL) * m->survey->across * PROBE_ACROSS +
+           corner[0] / PROBE_CELL;
 }
 
 /* As many as are asked for, or as the fragments leave memory for. */
@@ -78,17 +76,17 @@ static void place_cells(struct making *m, const struct probe_sample *sample)
         if (at >= places) /* the last run is short */
             continue;
         uint32_t b = m->cell_of[at / BLOCK_CELLS], k = at % BLOCK_CELLS;
-        p->corner[p->cells][0] = b % s->across * SURVEY_BLOCK + k % ACROSS * PROBE_CELL;
-        p->corner[p->cells++][1] = b / s->across * SURVEY_BLOCK + k / ACROSS * PROBE_CELL;
+        p->corner[p->cells][0] = b % s->across * SURVEY_BLOCK + k % PROBE_ACROSS * PROBE_CELL;
+        p->corner[p->cells++][1] = b / s->across * SURVEY_BLOCK + k / PROBE_ACROSS * PROBE_CELL;
     }
     for (size_t i = 0; i < blocks * BLOCK_CELLS; i++)
-        m->cell_of[i] = NO_CELL;
+        m->cell_of[i] = PROBE_NO_CELL;
     for (unsigned c = 0; c < p->cells; c++)
         m->cell_of[place_of(m, p->corner[c])] = c;
     p->parts = parts;
     p->amplify = probe_amplify(sample, parts);
     p->all_cells = (double)places;
-    p->pixels = (size_t)p->cells * CELL_PIXELS;
+    p->pixels = (size_t)p->cells * PROBE_CELL_PIXELS;
 }
 
 /* Calls for every cell that the pixels [x0, x1] x [y0, y1] may touch. */
@@ -97,8 +95,8 @@ static void each_cell(const struct making *m, const uint32_t box[4], cell_fn fn,
 {
     for (uint32_t y = box[1] / PROBE_CELL; y <= box[3] / PROBE_CELL; y++)
         for (uint32_t x = box[0] / PROBE_CELL; x <= box[2] / PROBE_CELL; x++) {
-            uint32_t cell = m->cell_of[(size_t)y * m->survey->across * ACROSS + x];
-            if (cell != NO_CELL)
+            uint32_t cell = m->cell_of[(size_t)y * m->survey->across * PROBE_ACROSS + x];
+            if (cell != PROBE_NO_CELL)
                 fn(context, cell);
         }
 }
@@ -153,8 +151,8 @@ static enum stp_result place_rays(struct making *m)
     if (!p->ray)
         return log_no_memory(m->env, p->pixels * sizeof *p->ray, "the probe's rays");
     for (size_t i = 0; i < p->pixels; i++) {
-        const uint32_t *corner = m->probe->corner[i / CELL_PIXELS];
-        size_t k = i % CELL_PIXELS;
+        const uint32_t *corner = m->probe->corner[i / PROBE_CELL_PIXELS];
+        size_t k = i % PROBE_CELL_PIXELS;
         p->ray[i] = eye_ray(&p->view.eye, corner[0] + (double)(k % PROBE_CELL) + 0.5,
                             corner[1] + (double)(k / PROBE_CELL) + 0.5);
     }
@@ -189,9 +187,9 @@ static void draw(void *context, uint32_t cell)
     struct probe *p = d->m->probe;
     const uint32_t *corner = p->corner[cell];
     struct fragment hit;
-    for (uint32_t k = 0; k < CELL_PIXELS && d->result == STP_OK; k++) {
+    for (uint32_t k = 0; k < PROBE_CELL_PIXELS && d->result == STP_OK; k++) {
         uint32_t x = corner[0] + k % PROBE_CELL, y = corner[1] + k / PROBE_CELL;
-        size_t pixel = (size_t)cell * CELL_PIXELS + k;
+        size_t pixel = (size_t)cell * PROBE_CELL_PIXELS + k;
         if (x >= p->view.width || y >= p->view.height ||
             !disc_hit(&d->disc, &p->view.eye, &p->ray[pixel], x + 0.5, y + 0.5, &hit))
             continue;

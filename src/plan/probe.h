@@ -8,7 +8,11 @@
 #include "plan/survey.h"
 #include "reference/tile.h"
 
-#define PROBE_CELL 4 /* pixels a side; a quarter of a block */
+#define PROBE_CELL        4 /* pixels a side; a quarter of a block */
+#define PROBE_CELL_PIXELS (PROBE_CELL * PROBE_CELL)
+#define PROBE_ACROSS      (SURVEY_BLOCK / PROBE_CELL) /* places for cells of a block, a side */
+#define PROBE_NO_CELL     UINT32_MAX                  /* in maps from places to cells */
+#define PROBE_UNSEEN      3 /* of what is rare a sample may have missed so many: once in 20 */
 
 struct probe_fragment {
     double depth, rho2, weight;

@@ -8,8 +8,6 @@
 #include "base/thread.h"
 #include "prepare/prepare.h"
 
-#define CELL_PIXELS (PROBE_CELL * PROBE_CELL)
-
 /* Fragments of the fullest pixel. */
 static size_t most_fragments(const struct probe *probe)
 {
@@ -96,15 +94,15 @@ static void judge_cells(void *context, size_t begin, size_t end, unsigned worker
 {
     const struct judging *j = context;
     struct probe_fragment *scratch = j->scratch + j->most * worker;
-    for (size_t i = begin * CELL_PIXELS; i < end * CELL_PIXELS; i++)
+    for (size_t i = begin * PROBE_CELL_PIXELS; i < end * PROBE_CELL_PIXELS; i++)
         if (j->probe->first[i + 1] > j->probe->first[i])
-            judge_pixel(j, i, scratch, &j->tally[i / CELL_PIXELS]);
+            judge_pixel(j, i, scratch, &j->tally[i / PROBE_CELL_PIXELS]);
 }
 
 static void compare_cell(const struct probe *probe, size_t cell, const struct probe_color *color,
                          struct probe_tally *tally)
 {
-    for (size_t i = cell * CELL_PIXELS; i < (cell + 1) * CELL_PIXELS; i++) {
+    for (size_t i = cell * PROBE_CELL_PIXELS; i < (cell + 1) * PROBE_CELL_PIXELS; i++) {
         if (probe->first[i + 1] == probe->first[i] && !color[i].covered)
             continue;
         tally->e += difference(color[i].color, &probe->truth[3 * i]);

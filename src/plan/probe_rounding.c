@@ -22,7 +22,6 @@
 #define PLANE   16
 #define NORMAL  4
 #define CERTAIN 3 /* standard deviations of how many pixels change sides */
-#define UNSEEN  3 /* none seen where so many are expected: once in 20 */
 #define SELDOM  0.01
 #define MANY    100 /* a count of so many is even about its mean */
 
@@ -101,6 +100,6 @@ double probe_flips(const struct probe_tally *t)
     if (!(t->tossed > 0) || !(t->cells < t->all_cells))
         return 0;
     double pixels = t->n * t->all_cells / t->cells;
-    double most = most_of(UNSEEN * (pixels - t->n) / t->tossed);
+    double most = most_of(PROBE_UNSEEN * (pixels - t->n) / t->tossed);
     return most * (t->bright[0] + t->bright[1] + t->bright[2]) / (3 * pixels);
 }

@@ -7,11 +7,8 @@
 #include "base/log.h"
 #include "base/memory.h"
 
-#define CELL_PIXELS (PROBE_CELL * PROBE_CELL)
-#define NO_CELL     UINT32_MAX
-#define ACROSS      (SURVEY_BLOCK / PROBE_CELL) /* places for cells of a block, a side */
-#define NEAR_REACH  1.5
-#define MOST_CROWD  0.6
+#define NEAR_REACH 1.5
+#define MOST_CROWD 0.6
 
 struct drawing {
     const struct pyramid *p;
@@ -39,9 +36,9 @@ struct open {
 /* Of probe pixel i: its place in the grid, and in the picture. False: outside. */
 static bool locate(const struct drawing *d, size_t i, int64_t at[2], double q[2])
 {
-    const uint32_t *corner = d->probe->corner[i / CELL_PIXELS];
-    uint32_t x = corner[0] + i % CELL_PIXELS % PROBE_CELL,
-             y = corner[1] + i % CELL_PIXELS / PROBE_CELL;
+    const uint32_t *corner = d->probe->corner[i / PROBE_CELL_PIXELS];
+    uint32_t x = corner[0] + i % PROBE_CELL_PIXELS % PROBE_CELL,
+             y = corner[1] + i % PROBE_CELL_PIXELS / PROBE_CELL;
     at[0] = (int64_t)x - d->p->plan->grid.x;
     at[1] = (int64_t)y - d->p->plan->grid.y;
     q[0] = x + 0.5;
@@ -161,8 +158,8 @@ static bool rim_near(const struct drawing *d, const int64_t at[2], const double 
 static void reach_cell(const struct drawing *d, uint32_t cell, const struct pyramid_texel *t,
                        const double center[2])
 {
-    for (uint32_t k = 0; k < CELL_PIXELS; k++) {
-        size_t i = (size_t)cell * CELL_PIXELS + k;
+    for (uint32_t k = 0; k < PROBE_CELL_PIXELS; k++) {
+        size_t i = (size_t)cell * PROBE_CELL_PIXELS + k;
         int64_t at[2];
         double q[2], depth;
         struct open *o = &d->open[i];
@@ -222,7 +219,7 @@ static void reach_far(const struct drawing *d, size_t id)
     for (int64_t by = low[1]; by <= high[1]; by++)
         for (int64_t bx = low[0]; bx <= high[0]; bx++) {
             uint32_t cell = d->cell_of[(size_t)by * d->across + (size_t)bx];
-            if (cell != NO_CELL)
+            if (cell != PROBE_NO_CELL)
                 reach_cell(d, cell, &t, center);
         }
 }
@@ -286,7 +283,7 @@ static void begin_pixel(const struct drawing *d, size_t i)
 static void draw_all(const struct drawing *d)
 {
     for (size_t b = 0; b < (size_t)d->across * d->down; b++)
-        d->cell_of[b] = NO_CELL;
+        d->cell_of[b] = PROBE_NO_CELL;
     for (unsigned c = 0; c < d->probe->cells; c++) {
         const uint32_t *corner = d->probe->corner[c];
         d->cell_of[(size_t)(corner[1] / PROBE_CELL) * d->across + corner[0] / PROBE_CELL] = c;
@@ -304,11 +301,13 @@ static enum stp_result draw(const struct stp_env *env, const struct probe *probe
                             const struct stp_plan *plan, struct probe_color *color)
 {
     struct pyramid pyramid = { 0 };
-    struct drawing d = { .p = &pyramid,
-                         .probe = probe,
-                         .color = color,
-                         .across = (probe->view.width + SURVEY_BLOCK - 1) / SURVEY_BLOCK * ACROSS,
-                         .down = (probe->view.height + SURVEY_BLOCK - 1) / SURVEY_BLOCK * ACROSS };
+    struct drawing d = {
+        .p = &pyramid,
+        .probe = probe,
+        .color = color,
+        .across = (probe->view.width + SURVEY_BLOCK - 1) / SURVEY_BLOCK * PROBE_ACROSS,
+        .down = (probe->view.height + SURVEY_BLOCK - 1) / SURVEY_BLOCK * PROBE_ACROSS
+    };
     enum stp_result result = pyramid_make(env, plan, &probe->view, &pyramid);
     if (result != STP_OK)
         return result;

@@ -115,7 +115,8 @@ void plan_pyramid_view(struct stp_plan *plan)
     if (plan->levels > 6) /* discs of more than a block and a half */
         f->block_reach = plan->levels > 8 ? 4 : 2;
     plan->constant[PLAN_CULL_CLUSTERS] = plan->constant[PLAN_CULL_BACK] || leaves_picture(plan, &o);
-    plan->constant[PLAN_LANES] = plan->limits.processor == 1 ? STP_BLOCK : STP_GROUP;
+    plan->constant[PLAN_LANES] =
+        plan->limits.processor == STP_PROCESSOR_CPU ? STP_BLOCK : STP_GROUP;
     grid_axis(plan->camera.width, &o, 0, &plan->grid.x, &plan->grid.width);
     grid_axis(plan->camera.height, &o, 1, &plan->grid.y, &plan->grid.height);
 }

@@ -148,16 +148,28 @@ static enum stp_result lower_overlap(struct grouping *g, double overlap)
     return fits ? bisect(g, least, overlap) : without_crowds(g, least, overlap);
 }
 
-static void warn(const struct grouping *g, double asked)
+static double overlap_of(const struct stp_group_params *p)
 {
-    if (g->facts.overlap < asked)
-        log_warning(g->env, "grouping: overlap %g needs more than %u groups; %.4g is used instead",
-                    asked, g->max_groups, g->facts.overlap);
-    if (g->facts.crowded)
-        log_warning(g->env,
+    return p->overlap > 0 ? p->overlap : STP_DEFAULT_OVERLAP;
+}
+
+static unsigned most_groups(const struct stp_group_params *p)
+{
+    return p->max_groups ? p->max_groups : STP_MAX_GROUPS;
+}
+
+void group_warn(const struct stp_env *env, const struct stp_scene *scene,
+                const struct stp_group_params *p)
+{
+    const struct stp_grouping *facts = &scene->facts.grouping;
+    if (facts->overlap < overlap_of(p))
+        log_warning(env, "grouping: overlap %g needs more than %u groups; %.4g is used instead",
+                    overlap_of(p), most_groups(p), facts->overlap);
+    if (facts->crowded)
+        log_warning(env,
                     "grouping: %zu of %zu splats lie in heaps that %u groups cannot hold; they "
                     "share a group with others that they overlap",
-                    g->facts.crowded, g->splats->count, g->max_groups);
+                    facts->crowded, scene->splats.count, most_groups(p));
 }
 
 static enum stp_result group_splats(struct grouping *g, double overlap)
@@ -169,8 +181,6 @@ static enum stp_result group_splats(struct grouping *g, double overlap)
     if (result == STP_OK && !fits)
         result = lower_overlap(g, overlap);
     g->facts.milliseconds = clock_ms() - start;
-    if (result == STP_OK)
-        warn(g, overlap);
     return result;
 }
 
@@ -201,14 +211,13 @@ enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,
         return result;
     size_t count = scene->splats.count;
     g.relax = p->relax ? p->relax : STP_RELAX_OPPOSED;
-    g.max_groups = p->max_groups ? p->max_groups : STP_MAX_GROUPS;
+    g.max_groups = most_groups(p);
     g.facts.relax = g.relax;
     g.skip = mem_alloc(count, 1);
     g.group = mem_alloc(count, 1);
     g.trial = mem_alloc(count, 1);
-    result = g.skip && g.group && g.trial
-                 ? group_splats(&g, p->overlap > 0 ? p->overlap : STP_DEFAULT_OVERLAP)
-                 : log_no_memory(env, count, "the groups");
+    result = g.skip && g.group && g.trial ? group_splats(&g, overlap_of(p))
+                                          : log_no_memory(env, count, "the groups");
     if (result == STP_OK) {
         uint8_t *old = scene->splats.group;
         if (!old || memcmp(old, g.group, count) != 0) /* found again, it is the same */
@@ -228,6 +237,11 @@ enum stp_result stp_scene_group(const struct stp_env *env, struct stp_scene *sce
 {
     if (!scene)
         return log_error(env, STP_ERROR_ARGUMENT, "stp_scene_group: the scene is NULL");
+    const struct stp_group_params none = { 0 };
     enum stp_result result = scene_check_whole(env, scene, "grouping");
-    return result == STP_OK ? group_scene(env, scene, params) : result;
+    if (result == STP_OK)
+        result = group_scene(env, scene, params);
+    if (result == STP_OK)
+        group_warn(env, scene, params ? params : &none);
+    return result;
 }

@@ -110,6 +110,20 @@ static enum stp_result find_outwardness(const struct stp_env *env, const struct 
     return result;
 }
 
+/* A coordinate in double that is no float32 by chance is one in 2^29. */
+static double float_step(const struct splats *s)
+{
+    float largest = 0;
+    for (size_t i = 0; i < s->count; i++)
+        for (int axis = 0; axis < 3; axis++) {
+            float rounded = (float)s->position[i][axis];
+            if ((double)rounded != s->position[i][axis])
+                return 0;
+            largest = fmaxf(largest, fabsf(rounded));
+        }
+    return (double)nextafterf(largest, INFINITY) - (double)largest;
+}
+
 static void scan_radii_and_colors(const struct splats *s, struct stp_facts *facts)
 {
     facts->radius_min = INFINITY;
@@ -181,6 +195,7 @@ enum stp_result facts_measure(const struct stp_env *env, struct splats *s, struc
     memcpy(facts->bounds + 3, box.high, sizeof box.high);
     facts->splats = s->count;
     facts->has_color = s->color != NULL;
+    facts->float_step = float_step(s);
     scan_radii_and_colors(s, facts);
     count_phong(s, facts);
     result = find_opacities(env, s, facts);

@@ -2,6 +2,7 @@
 
 #include "base/log.h"
 #include "base/memory.h"
+#include "prepare/prepare.h"
 
 static void show(struct stp_scene *scene, const struct grouping_at *grouping)
 {
@@ -35,7 +36,9 @@ enum stp_result groupings_use(const struct stp_env *env, struct groupings *group
     asked.overlap = overlap;
     /* What the scene shows is kept elsewhere: grouping must not free it. */
     scene->splats.group = NULL;
-    enum stp_result result = stp_scene_group(env, scene, &asked);
+    enum stp_result result = scene_check_whole(env, scene, "grouping");
+    if (result == STP_OK)
+        result = group_scene(env, scene, &asked);
     if (result == STP_OK)
         groupings->at[groupings->count++] =
             (struct grouping_at){ overlap, scene->facts.grouping, scene->splats.group,

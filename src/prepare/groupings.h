@@ -21,7 +21,8 @@ struct groupings {
 
 /* Remembers the grouping that the scene has. */
 void groupings_begin(struct groupings *groupings, struct stp_scene *scene);
-/* Groups the scene at this overlap when it was not yet, and shows the scene in that grouping. */
+/* Groups the scene at this overlap when it was not yet, and shows the scene in that grouping. What
+ * group_warn would say is the caller's to say, of the overlap that it takes. */
 enum stp_result groupings_use(const struct stp_env *env, struct groupings *groupings,
                               const struct stp_group_params *params, double overlap);
 /* The scene is as it was; or, keep, it stays grouped at the overlap shown last. */

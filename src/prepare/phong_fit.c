@@ -190,9 +190,16 @@ static enum stp_result replace(struct fitting *f, struct stp_scene *scene)
 static enum stp_result check(const struct stp_env *env, const struct stp_scene *scene,
                              const struct stp_fit_params *params)
 {
-    if (!scene || !scene->prepared || scene->volume || scene->share.count)
+    if (!scene || !scene->prepared)
+        return log_error(env, STP_ERROR_ARGUMENT, "splats are fitted to a prepared scene");
+    if (scene->volume)
+        return log_error(env, STP_ERROR_ARGUMENT, "splats are fitted to points: %s",
+                         scene->facts.range.frames
+                             ? "range images become such by --range-splats discs"
+                             : "a volume has none");
+    if (scene->share.count)
         return log_error(env, STP_ERROR_ARGUMENT,
-                         "splats are fitted to a prepared scene of points, and a whole one");
+                         "splats are fitted to all points, and this process has a share of them");
     if (scene->stream)
         return scene_check_whole(env, scene, "fitting");
     if (!(params->tolerance >= 0) || isinf(params->tolerance) || !(params->color >= 0))

@@ -83,11 +83,14 @@ bool splats_equal(const struct splats *splats, size_t i, size_t j);
  *   (max_groups / 2 others, or max_groups - 1 where that is 7 or less, overlap them there and
  *   precede them by radius descending, then id) leave the graph and are spread over the groups in
  *   turn; the rest starts again from the asked c, so that a heap costs it nothing.
- * - Warnings say so; facts.grouping.crowded counts the splats that may share a group with one they
- *   overlap.
+ * - group_warn says so; facts.grouping.crowded counts the splats that may share a group with one
+ *   they overlap.
  * - So a million coincident splats are grouped too, in time and memory in proportion. */
 #define GROUP_MIN_OVERLAP 0.1
 enum stp_result group_scene(const struct stp_env *env, struct stp_scene *scene,
                             const struct stp_group_params *params);
+/* Where the scene's grouping is not all that was asked, in a warning each. */
+void group_warn(const struct stp_env *env, const struct stp_scene *scene,
+                const struct stp_group_params *params);
 
 #endif

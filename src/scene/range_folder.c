@@ -1,11 +1,13 @@
 /* A folder of range images: intrinsics.txt, pose.txt, depth/N.* and color/N.*. */
 #include <ctype.h>
 #include <dirent.h>
+#include <errno.h>
 #include <math.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/stat.h>
+#include <unistd.h>
 
 #include "base/log.h"
 #include "base/memory.h"
@@ -173,6 +175,16 @@ static enum stp_result read_frames(struct folder *folder, const struct range_fra
     return result;
 }
 
+/* Any folder may be given for a scene: what one has to be is said where this one is another. */
+static enum stp_result check_kind(struct folder *folder)
+{
+    if (access(in_folder(folder, "intrinsics.txt"), F_OK) == 0 || errno != ENOENT)
+        return STP_OK;
+    return log_error(folder->env, STP_ERROR_FORMAT,
+                     "%s: a folder is read as range images, and this one has no intrinsics.txt",
+                     folder->path);
+}
+
 enum stp_result range_from_folder(const struct stp_env *env, const char *path,
                                   const struct stp_load_params *params, struct range *range)
 {
@@ -186,8 +198,10 @@ enum stp_result range_from_folder(const struct stp_env *env, const char *path,
     folder.name = mem_alloc(folder.size, 1);
     if (!folder.name)
         return log_no_memory(env, folder.size, path);
-    enum stp_result result =
-        range_load_intrinsics(env, in_folder(&folder, "intrinsics.txt"), &like.camera, &units);
+    enum stp_result result = check_kind(&folder);
+    if (result == STP_OK)
+        result =
+            range_load_intrinsics(env, in_folder(&folder, "intrinsics.txt"), &like.camera, &units);
     if (result == STP_OK)
         result = range_load_poses(env, in_folder(&folder, "pose.txt"), &pose, &made.count);
     if (result == STP_OK)

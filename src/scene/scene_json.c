@@ -59,6 +59,9 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
         return json_error(root, "dims",
                           "describes a raw volume, and this is no scene: give the raw file, which "
                           "finds this one beside it");
+    if (!points && json_has(json, "world_to_camera"))
+        return json_error(root, "world_to_camera",
+                          "describes a camera, and this is no scene: give it to --camera");
     enum stp_result result = json_check_object(
         root, json, "points volume range lights camera camera_file environment up name comment");
     bool none = !points && (json_has(json, "volume") || json_has(json, "range"));

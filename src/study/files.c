@@ -76,6 +76,21 @@ static enum stp_result write_heat(const struct study *study, const char *folder,
     return result;
 }
 
+/* Those of an earlier report whose front was longer. */
+static enum stp_result remove_heats(const struct study *study, const char *folder, unsigned first)
+{
+    for (unsigned i = first; i < STUDY_MAX_CONFIGS + REPORT_MAX_PICKS; i++) {
+        char name[32];
+        snprintf(name, sizeof name, "error_%u.png", i + 1);
+        char *path = path_in(study->env, folder, name);
+        if (!path)
+            return STP_ERROR_MEMORY;
+        remove(path);
+        mem_free(path);
+    }
+    return STP_OK;
+}
+
 enum stp_result study_write(struct study *study, const char *folder)
 {
     const struct report_row *front[STUDY_MAX_CONFIGS + REPORT_MAX_PICKS];
@@ -87,5 +102,7 @@ enum stp_result study_write(struct study *study, const char *folder)
         snprintf(name, sizeof study->report.row[index].picture, "error_%u.png", i + 1);
         result = write_heat(study, folder, &study->frame[index].heat, name);
     }
+    if (result == STP_OK)
+        result = remove_heats(study, folder, count);
     return result == STP_OK ? write_texts(study, folder) : result;
 }

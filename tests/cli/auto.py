@@ -87,6 +87,12 @@ class Auto(command.CommandTest):
         self.assertEqual((run.returncode, run.stderr.count("\n")), (0, 1), run.stderr)
         self.assertIn("--half", run.stderr)
 
+    def test_verbose_says_why(self):
+        self.fill_cache()
+        run = self.run_tool("render", "ball.ply", "-o", "out.exr", *VIEW, "--verbose")
+        self.assertEqual(run.returncode, 0, run.stderr)
+        self.assertRegex(run.stderr, r"(?m)^stipple: \S+ is the cheapest within an error of 0\.0001 \(predicted")
+
     def test_calibration_is_kept(self):
         path = self.fill_cache()
         with open(path, encoding="ascii") as file:

@@ -53,6 +53,23 @@ class Commands(command.CommandTest):
                      if line.split()[0] in ("from", "to"))
         for a, b, size in zip(low, high, (8e-3, 16e-3, 64)):
             self.assertAlmostEqual((b - a) / size, 1, 4)
+        self.assertEqual(self.done_json("info", "--json", "far.xyz")[0]["float_step"], 0)
+
+    def test_float32_far_from_the_origin(self):
+        """Steps of 1/2 at 4.6 million, for points that lie 1 apart: whole metres, whatever they were."""
+        for name, spacing, coarse in [("coarse", 1, True), ("fine", 100, False)]:
+            points = [(5e5 + spacing * x, 4649776 + spacing * y, 100) for x in range(9) for y in range(9)]
+            self.write(name + ".xyz", "".join("%.0f %.0f %.0f\n" % p for p in points))
+            told = self.done_json("info", "--json", name + ".xyz")[0]
+            self.assertEqual(told["float_step"], 0.5)
+            self.assertEqual(any("float32" in line for line in told["wrong"]), coarse)
+            run = self.run_tool("render", name + ".xyz", "-o", "a.exr", *REFERENCE)
+            self.assertEqual((run.returncode, run.stderr.count("\n")), (0, 1 if coarse else 0))
+            self.assertEqual("in steps of 0.5" in run.stderr, coarse)
+
+    def test_a_camera_is_no_scene(self):
+        self.done("render", "ball.ply", "-o", "a.exr", "--write-camera", "view.json", *REFERENCE)
+        self.fails(3, ["world_to_camera", "--camera"], "render", "view.json", "-o", "a.exr")
 
     def test_plan(self):
         self.assertEqual(self.done("plan", "ball.ply"), self.done("plan", "ball.ply"))
@@ -85,10 +102,20 @@ class Commands(command.CommandTest):
         self.write("limits.json", json.dumps(profile))
         self.assertNotEqual(self.done("plan", "ball.ply", "--limits", "limits.json"), whole)
 
+    def test_a_warning_of_groups_comes_once(self):
+        """However many overlaps are tried."""
+        run = self.run_tool("plan", "ball.ply", "--groups", "2", "--max-error", "0.1", "--method",
+                            "deferred")
+        self.assertEqual((run.returncode, run.stderr.count("needs more than 2 groups")), (0, 1))
+
     def test_devices(self):
         text = self.done("devices")
         for word in ["driver", "memory", "has", "lacks"]:
             self.assertIn("\n  " + word, text)
+        name = self.done_json("devices", "--json")["device"]
+        self.assertEqual(self.done("devices", "--device", name.upper()), self.done("devices", "--device", name))
+        for words in (["devices"], ["render", "ball.ply", "-o", "a.exr"]):
+            self.fails(1, ['called "none such"'], *words, "--device", "none such")
 
     def test_prepare(self):
         self.done("prepare", "ball.ply", "-o", "splats.ply")

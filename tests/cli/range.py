@@ -2,6 +2,7 @@
 """Range images by the command: folders and scenes, what --help says of them, and what is refused."""
 import json
 import os
+import shutil
 import struct
 
 import command
@@ -74,8 +75,12 @@ class Range(command.CommandTest):
         self.fails(1, ["discs"], "render", "scan", "--method", "exact", "-o", "a.exr")
         self.fails(2, ["--uncertainty"], "render", "scan", "--uncertainty", "-1", "-o", "a.exr")
         self.fails(2, ["--range-splats"], "render", "scan", "--range-splats", "cubes", "-o", "a.exr")
+        shutil.copytree(self.path("scan"), self.path("still"))
         self.write("scan/pose.txt", "0 0 0 0 0 0 nan\n")
         self.fails(3, ["pose.txt: byte 0"], "render", "scan", "-o", "a.exr")
+        self.fails(1, ["--range-splats discs"], "prepare", "still", "-o", "a.ply", "--fit", "1")
+        os.remove(self.path("scan/intrinsics.txt"))
+        self.fails(3, ["scan: a folder", "no intrinsics.txt"], "render", "scan", "-o", "a.exr")
 
 
 command.main()

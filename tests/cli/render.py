@@ -97,6 +97,14 @@ class Render(command.CommandTest):
                               ("--environment-intensity", "0"), ("--layers", "both")]:
             self.fails(2, [option], *BASIC, "--environment", "sky.hdr", option, value)
 
+    def test_dropped(self):
+        with open(self.path("nan.ply"), "w", encoding="ascii") as file:
+            file.write("ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                       "property float z\nend_header\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n")
+        run = self.run_tool("render", "nan.ply", *BASIC[2:])
+        self.assertEqual((run.returncode, run.stderr),
+                         (0, "stipple: warning: nan.ply: 1 point is not finite: dropped\n"))
+
     def test_half(self):
         self.done(*BASIC, "--half", "--aov", "albedo,P")
         for name, kind in self.channels().items():

@@ -179,7 +179,29 @@ static void test_pyramid(void **state)
     }
 }
 
-/* Every kind that applies gets prices, which predict the frames they came from in order of size. */
+static double predicted(const struct calibrate_scene *what, const struct plan_candidate *way,
+                        const struct stp_calibration *calibration)
+{
+    struct stp_scene *scene = NULL;
+    struct stp_camera camera;
+    struct stp_plan *plan = NULL;
+    struct survey survey;
+    struct stp_render_params params = { .min_splat = -1, .cull = STP_CULL_BACK };
+    params.method = way->method;
+    params.path = way->path;
+    params.payload = way->payload;
+    assert_int_equal(calibrate_scene_make(&device.env, what, &scene, &camera), STP_OK);
+    assert_int_equal(survey_make(NULL, scene, &camera, &params, &survey), STP_OK);
+    assert_int_equal(device_plan(&device, scene, &camera, &params, &plan), STP_OK);
+    double ms = plan_predict(plan, &survey, calibration);
+    survey_release(&survey);
+    stp_plan_destroy(&plan);
+    stp_scene_destroy(&scene);
+    return ms;
+}
+
+/* Every kind that applies gets prices, which say that the large frame takes longer than the small.
+ */
 static void test_prices(void **state)
 {
     const struct calibrate_scene scenes[] = {
@@ -200,6 +222,13 @@ static void test_prices(void **state)
         }
         if (!(sum > 0) || !isfinite(sum))
             fail_msg("no price of %s", plan_cost_name(kind));
+    }
+    const struct plan_offer *const offers[] = { &plan_twopass_offer, &plan_exact_offer };
+    for (unsigned o = 0; o < 2; o++) {
+        struct plan_candidate way[PLAN_MAX_OFFERED];
+        for (unsigned i = 0; i < offers[o]->candidates(way); i++)
+            assert_true(predicted(&scenes[0], &way[i], &calibration) <
+                        predicted(&scenes[1], &way[i], &calibration));
     }
     assert_int_equal(device.lines, 0);
 }

@@ -2,6 +2,7 @@
 #include "plans.h"
 
 #include "base/memory.h"
+#include "plan/auto.h"
 
 /* A wavy sheet of 40 x 40 discs that overlap: enough for errors and groups. */
 static struct inputs wavy(void)
@@ -37,7 +38,6 @@ static void price_all(struct inputs *in, double deferred, double exact, double t
 }
 
 #define EVERY 100000 /* cells */
-#define MANY  1536   /* CELLS_MANY of auto_judge.c */
 
 /* The error of the plan's groups by so many cells; *most: what is then said to be the most. */
 static struct probe_error error_by(const struct inputs *in, const struct stp_choice *choice,
@@ -45,23 +45,27 @@ static struct probe_error error_by(const struct inputs *in, const struct stp_cho
 {
     struct survey survey;
     struct probe probe;
-    struct probe_error error;
+    struct auto_estimate e = { 0 };
     struct stp_plan *plan = NULL;
     assert_int_equal(survey_make(NULL, in->scene, &in->camera, &in->params, &survey), STP_OK);
     assert_int_equal(
         probe_make(NULL, in->scene, &in->camera, &in->params, &survey,
-                   &(const struct probe_sample){ .cells = cells, .alone = cells == MANY }, &probe),
+                   &(const struct probe_sample){ .cells = cells, .alone = cells == AUTO_CELLS },
+                   &probe),
         STP_OK);
     assert_int_equal(
         stp_plan_create(NULL, in->scene, &in->camera, &choice->params, &in->limits, &plan), STP_OK);
     assert_int_equal(probe_judge(NULL, &probe, plan, plan_offer_of(plan)->keep,
-                                 in->scene->splats.group, false, &error),
+                                 in->scene->splats.group, false, &e.error),
                      STP_OK);
-    *most = error.mean + 3 * error.spread + error.rounding + plan_rounding(plan);
+    e.more = plan_rounding(plan);
+    e.rare = plan_offer_of(plan)->rare;
+    auto_conclude(&e);
+    *most = e.high;
     stp_plan_destroy(&plan);
     probe_release(&probe);
     survey_release(&survey);
-    return error;
+    return e.error;
 }
 
 /* The cheapest that meets the bound: deferred while it does, at the fewest groups; then exact; then
@@ -105,7 +109,7 @@ static void test_close(void **state)
     assert_int_equal(choice.params.method, STP_METHOD_EXACT);
     assert_int_equal(choice.params.payload, STP_PAYLOAD_PACKED);
     struct probe_error error = error_by(&in, &choice, EVERY, &most);
-    error_by(&in, &choice, MANY, &sampled);
+    error_by(&in, &choice, AUTO_CELLS, &sampled);
     assert_true(error.spread == 0 && error.mean > 1e-5 && most < 1.1 * error.mean);
     assert_true(sampled > 1.001 * most);
     in.params.max_error = (most + sampled) / 2;
@@ -165,7 +169,7 @@ static void test_piled(void **state)
     struct stp_choice choice = choose(&in);
     assert_int_equal(choice.params.payload, STP_PAYLOAD_PACKED);
     double most;
-    in.params.max_error = error_by(&in, &choice, MANY, &most).mean;
+    in.params.max_error = error_by(&in, &choice, AUTO_CELLS, &most).mean;
     assert_int_equal(choose(&in).params.payload, STP_PAYLOAD_ID);
     release_inputs(&in);
 }
@@ -278,6 +282,14 @@ static void test_fixed(void **state)
         stp_choose(NULL, in.scene, &in.camera, &group, &in.params, &in.limits, &choice), STP_OK);
     assert_true(in.scene->facts.grouping.overlap == 0.7);
     assert_int_equal(choice.params.method, STP_METHOD_DEFERRED);
+    assert_in_range(choice.count, 2, STP_MAX_CONSIDERED);
+    for (unsigned i = 0; i < choice.count; i++) {
+        const struct stp_considered *a = &choice.considered[i], *b = a + 1;
+        assert_true(a->overlap == 0.7);
+        for (; b < choice.considered + choice.count; b++)
+            assert_false(a->path == b->path && a->payload == b->payload &&
+                         a->voronoi == b->voronoi);
+    }
     release_inputs(&in);
 }
 
@@ -315,6 +327,19 @@ static void test_sentence(void **state)
     assert_non_null(strstr(plan->why, " ms, error at most "));
     stp_plan_destroy(&plan);
     release_inputs(&in);
+}
+
+/* All that methods offer has room in a choice, whatever the scene. */
+static void test_room(void **state)
+{
+    unsigned all = 0;
+    for (unsigned o = 0; o < plan_offer_count; o++) {
+        struct plan_candidate way[PLAN_MAX_OFFERED];
+        unsigned count = plan_offers[o]->candidates(way);
+        assert_in_range(count, 1, PLAN_MAX_OFFERED);
+        all += count;
+    }
+    assert_in_range(all, 1, STP_MAX_CONSIDERED);
 }
 
 /* Nothing meets it: the most exact, and a line that says so. */
@@ -458,15 +483,25 @@ static void test_close_no_memory(void **state)
 int main(void)
 {
     const struct CMUnitTest tests[] = {
-        cmocka_unit_test(test_bounds),     cmocka_unit_test(test_close),
-        cmocka_unit_test(test_small),      cmocka_unit_test(test_piled),
-        cmocka_unit_test(test_doubt),      cmocka_unit_test(test_prices),
-        cmocka_unit_test(test_colored),    cmocka_unit_test(test_one_picture),
-        cmocka_unit_test(test_considered), cmocka_unit_test(test_fixed),
-        cmocka_unit_test(test_same),       cmocka_unit_test(test_sentence),
-        cmocka_unit_test(test_unmet),      cmocka_unit_test(test_bright),
-        cmocka_unit_test(test_refused),    cmocka_unit_test(test_pyramid),
-        cmocka_unit_test(test_no_memory),  cmocka_unit_test(test_close_no_memory),
+        cmocka_unit_test(test_bounds),
+        cmocka_unit_test(test_close),
+        cmocka_unit_test(test_small),
+        cmocka_unit_test(test_piled),
+        cmocka_unit_test(test_doubt),
+        cmocka_unit_test(test_prices),
+        cmocka_unit_test(test_colored),
+        cmocka_unit_test(test_one_picture),
+        cmocka_unit_test(test_considered),
+        cmocka_unit_test(test_fixed),
+        cmocka_unit_test(test_room),
+        cmocka_unit_test(test_same),
+        cmocka_unit_test(test_sentence),
+        cmocka_unit_test(test_unmet),
+        cmocka_unit_test(test_bright),
+        cmocka_unit_test(test_refused),
+        cmocka_unit_test(test_pyramid),
+        cmocka_unit_test(test_no_memory),
+        cmocka_unit_test(test_close_no_memory),
     };
     return cmocka_run_group_tests(tests, NULL, NULL);
 }

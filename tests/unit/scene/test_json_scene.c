@@ -123,7 +123,7 @@ static void test_point_file(void **state)
     in_folder(*state, "none.ply", path);
     assert_int_equal(stp_scene_load(&env, path, NULL, &scene), STP_ERROR_IO);
     assert_null(scene);
-    assert_int_equal(stp_scene_load(&env, *state, NULL, &scene), STP_ERROR_IO);
+    assert_int_equal(stp_scene_load(&env, *state, NULL, &scene), STP_ERROR_FORMAT);
     assert_int_equal(book.errors, 2);
 }
 
