@@ -109,6 +109,30 @@ static void bad_ones_are_mended(void **state)
     samples_release(&given);
 }
 
+/* A cap on any side without any: its rim tells the side, and the planes the rest. At the rim the
+ * only known one may be the eighth neighbour, three spacings (2.87 degrees each) away. */
+static void whole_patches_are_mended(void **state)
+{
+    for (int side = 0; side < 6; side++) {
+        struct samples truth = sample_surface(on_sphere, 5000, 3);
+        struct samples given = sample_surface(on_sphere, 5000, 3);
+        for (size_t i = 0; i < given.count; i++)
+            if (given.position[i][side / 2] * (side % 2 ? -1 : 1) > 0.6)
+                memset(given.normal[i], 0, sizeof given.normal[i]);
+        struct stp_points points = { .count = given.count,
+                                     .position = (const double(*)[3])given.position,
+                                     .normal = (const float(*)[3])given.normal };
+        struct stp_scene *scene = prepared(&points, NULL);
+        struct agreement a = agreement(&scene->splats, &truth);
+        assert_true(stp_scene_facts(scene)->bad_normals > 900);
+        assert_int_equal(a.same_side, 5000);
+        assert_true(a.worst_degrees < 8.6);
+        stp_scene_destroy(&scene);
+        samples_release(&truth);
+        samples_release(&given);
+    }
+}
+
 /* Coincident splats, one of them with a good normal: the others take it. */
 static void mended_from_their_own_place(void **state)
 {
@@ -211,6 +235,7 @@ int main(void)
         cmocka_unit_test(plane),
         cmocka_unit_test(two_sheets),
         cmocka_unit_test(bad_ones_are_mended),
+        cmocka_unit_test(whole_patches_are_mended),
         cmocka_unit_test(mended_from_their_own_place),
         cmocka_unit_test(mostly_bad_means_estimated),
         cmocka_unit_test(inward_normals_are_two_sided),
