@@ -20,7 +20,8 @@
 // An equilateral triangle of inradius 1 reaches 2. Vertices are snapped to 1/256 of a pixel: where
 // the disc is thinner than some of those on the screen, it gets that much more room; and so does a
 // needle, for clipping rounds a vertex by 2^-24 of its length and more, which is many of its widths.
-const float WIDE = 2.1, SNAP = 0.008, NEEDLE = 1e-6, WIDEST = 6;
+// The near plane clips so much before its place, for the edge that it leaves is snapped too.
+const float WIDE = 2.1, SNAP = 0.008, NEEDLE = 1e-6, WIDEST = 6, BEFORE = 0.9;
 
 vec4 disc_vertex(Splat s, vec2 turn)
 {
@@ -42,7 +43,7 @@ vec4 disc_vertex(Splat s, vec2 turn)
     vec3 p = s.center + wide * (turn.x * along + turn.y * beside);
     if (ORTHOGRAPHIC)
         return to_clip(c + focal * p.xy, 0.5, 1);
-    return to_clip(c * p.z + focal * p.xy, frame.near_depth, p.z);
+    return to_clip(c * p.z + focal * p.xy, BEFORE * frame.near_depth, p.z);
 }
 
 vec4 ellipse_vertex(Footprint f, vec2 turn)

@@ -155,7 +155,9 @@ static void seams(const struct hard_options *o, struct device *device)
     };
     double db[3];
     run_variants(o, device, "seams", variants, 3, db);
-    assert_true(db[0] < db[2] - 6 && db[1] >= db[0] && db[2] >= 70);
+    /* What slabs alone cost is less than what any groups cost: a few pixels of some views turn it.
+     */
+    assert_true(db[0] < db[2] - 6 && (o->varied || db[1] >= db[0]) && db[2] >= 70);
 }
 
 static void flaps(const struct hard_options *o, struct device *device)

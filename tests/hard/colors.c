@@ -77,7 +77,7 @@ static const struct hard_case cases[] = {
       "Averages stay within what is averaged, to rounding; by packed keys, whose weights are 12 "
       "bits, "
       "a weight of 1e-2 is known to 1 % and the picture to 40 dB",
-      rims, check_rims, 0, 0, 40, 0.1, NULL, HARD_PYRAMID_POINTS },
+      rims, check_rims, 0, 0, 40, 0.5, NULL, HARD_PYRAMID_POINTS },
     { "Colours to 65504 and above",
       "To rounding; by packed keys a weight's 2^-13 of a neighbour 10^6 times as bright remains: "
       "60 "

@@ -12,6 +12,7 @@ struct hard_options {
     uint32_t width, height; /* of pictures whose size is not the case */
     double turn, rise;      /* radians: from where scenes are looked at, where that is free */
     size_t points;          /* of surfaces */
+    bool varied;            /* any of these */
     const char *family;     /* NULL: all */
     const char *only;       /* part of a case's name; NULL: all */
     const char *table;      /* file: Markdown rows are appended; NULL: none */
@@ -42,7 +43,8 @@ struct hard_case {
     void (*make)(const struct hard_options *o, struct hard_scene *s);
     /* A truth that no renderer shares: the error over its own bound, right when at most 1. */
     double (*check)(const struct hard_scene *s, const struct stp_image *image);
-    double grouped; /* dB: least PSNR of `deferred` where its groups are of many, c = 1 */
+    double grouped; /* dB: least PSNR of `deferred` where its groups are of many, c = 1; of scenes
+                       that are varied HARD_GROUPED, or none where this is less */
     double twin;   /* dB: least PSNR of N and of relative Z against the twin; INFINITY: same bits */
     double packed; /* dB: least PSNR by packed keys, where the case strains their 12-bit weights; 0:
                       bounded pixel by pixel as all else */
@@ -144,6 +146,10 @@ double hard_worst(const struct hard_scene *s, const struct stp_image *image, har
  * both cover. */
 double hard_psnr(const struct stp_image *image, const struct stp_image *truth);
 
+/* dB that `deferred` has on any surface at c = 1. One group's splats hide one another where front
+ * and back lie within epsilon: over epsilon^2 / 4 of a ball's picture, half of a channel off at
+ * most. */
+#define HARD_GROUPED 30
 /* dB asked of fits: of `deferred`; of packed keys, where rims alone have weights that their 12 bits
  * know to a per cent. */
 #define HARD_FIT_GROUPED 40

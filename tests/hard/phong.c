@@ -244,7 +244,7 @@ static const struct hard_case cases[] = {
       sphere, check_sphere, 45, 0, 0, 0, NULL, 0 },
     { "Normals that cancel",
       "The nearest one's normal and colour, where the sum has no direction: less than 1e-6",
-      opposed, check_opposed, 0, 0, 0, 0, NULL, 0 },
+      opposed, check_opposed, 0, 0, 0, 1, NULL, 0 },
     { "Discs among ellipses", "To rounding: both by one shader", mixed, NULL, 0, 0, 0, 0, NULL, 0 },
     { "Ellipses near 6e6", "The picture of the unmoved ones, N and relative Z at 90 dB", far_away,
       NULL, 0, 90, 0, 0, NULL, 0 },

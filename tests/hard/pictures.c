@@ -38,7 +38,10 @@ static void odd(const struct hard_options *o, struct hard_scene *s)
 /* 16384 columns of the ball, four rows of it: pixels are not square. */
 static void sixteen_thousand(const struct hard_options *o, struct hard_scene *s)
 {
-    shaped(o, s, 16384, 4);
+    /* Discs of fewer points are thousands of pixels long: a pyramid of gigabytes. */
+    struct hard_options fine = *o;
+    fine.points = o->points > 1500 ? o->points : 1500;
+    shaped(&fine, s, 16384, 4);
     s->camera.fx = 16384 / 2.0 / 0.3;
 }
 

@@ -139,15 +139,20 @@ static void tiny(const struct hard_options *o, struct hard_scene *s)
 }
 
 /* The floor makes a dot of 1.5 pixels of each: one holds pi/4 1.5^2 = 1.8 pixel centres on average.
- * Half the ball is seen, and dots share pixels: at least 1 - exp(-density) of its disc is covered,
- * less a quarter for chance. */
+ * Half the ball is seen, of a fifth of the points face on and more towards its outline, and dots
+ * share pixels: 1 - exp(-density) of them is covered, less a quarter for the ball's bumps and two
+ * standard deviations. */
 static double check_tiny(const struct hard_scene *s, const struct stp_image *image)
 {
-    double focal = s->camera.fx / 4.6, disc = M_PI * focal * focal, covered = 0;
-    for (uint32_t i = 0; i < image->width * image->height; i++)
+    double focal = s->camera.fx / 4.6, covered = 0, expected = 0;
+    double dots = M_PI / 4 * 2.25 * 0.2 * s->truth[0] / (M_PI * focal * focal); /* face on */
+    for (uint32_t i = 0; i < image->width * image->height; i++) {
+        double x = (i % image->width + 0.5 - s->camera.cx) / focal;
+        double y = (i / image->width + 0.5 - s->camera.cy) / focal, cosine2 = 1 - x * x - y * y;
         covered += isfinite(stp_image_find(image, "Z")->data.f[i]);
-    double least = 0.75 * disc * (1 - exp(-M_PI / 4 * 2.25 * 0.4 * s->truth[0] / disc));
-    return least / covered;
+        expected += cosine2 > 0 ? 1 - exp(-dots / sqrt(cosine2)) : 0;
+    }
+    return (0.75 * expected - 2 * sqrt(M_PI / 4 * 2.25 * expected)) / covered;
 }
 
 static void huge(const struct hard_options *o, struct hard_scene *s)

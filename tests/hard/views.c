@@ -61,9 +61,11 @@ static void wide(const struct hard_options *o, struct hard_scene *s)
     s->camera.near_depth = 1e-3;
 }
 
+/* 100 degrees high, and wide pictures no wider than 116, as one of 4 to 3 is. */
 static void inside(const struct hard_options *o, struct hard_scene *s)
 {
-    ball(o, s, 0.4, 100);
+    double narrow = fmin(1, 4.0 / 3 * o->height / o->width);
+    ball(o, s, 0.4, 360 / M_PI * atan(tan(5 * M_PI / 18) * narrow));
     s->camera.near_depth = 1e-3;
 }
 

@@ -64,17 +64,24 @@ extern const struct tolerance packed_tolerance, exact_tolerance, float_tolerance
 /* Layers: the end of an epsilon decides of each whether a fragment is its own layer. */
 extern const struct tolerance layers_tolerance;
 
+/* In the world. */
+struct vec3 eye_of_camera(const struct stp_camera *camera);
+
 struct verdict {
     size_t covered, fragile, off;
+    bool noisy; /* more over the picture than its tolerance and condition */
     double psnr, worst_color, worst_normal, worst_depth;
+    double squares, condition; /* of the errors, and of those that the condition allows */
 };
 
-/* Renders the reference five times: as asked, and with the picture moved by a thousandth of a
- * pixel, and epsilon, radii and near plane changed by rounding's share. A pixel where those differ
- * is fragile: an outline, the end of an epsilon or a cut passes so close to its centre that float32
- * may fall on either side. Every other pixel has to agree within the tolerance. */
+/* Renders the reference as asked, and with what float32 rounds moved as far as it may be: the
+ * picture by some dozen roundings of a place in it, every splat's depth up or down by
+ * itself, epsilon and near plane. What the reference itself changes by that is the pixel's
+ * condition, and is allowed beside the tolerance; where it is beyond 1 % the pixel is fragile and
+ * left out, for an outline, the end of an epsilon or a cut passes so close to its centre that
+ * float32 may fall on either side. */
 /* Those renderings; they serve every plan of one scene and view that quantises depth alike. */
-#define TRUTH_VARIANTS 4
+#define TRUTH_VARIANTS 8
 struct truth {
     struct stp_image *image, *variant[TRUTH_VARIANTS];
 };
