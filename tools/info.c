@@ -42,15 +42,16 @@ static void find_problems(const struct stp_facts *facts, struct problems *proble
 {
     bool volume = facts->volume.dims[0] > 0;
     note(problems, facts->not_finite,
-         volume ? "voxel is not finite: left out" : "point is not finite: dropped",
-         volume ? "voxels are not finite: left out" : "points are not finite: dropped");
+         volume ? "voxel is not finite: left out" : "point is not finite, or beyond 1e18: dropped",
+         volume ? "voxels are not finite: left out"
+                : "points are not finite, or beyond 1e18: dropped");
     note(problems, facts->duplicates, "splat is an exact copy of another: kept",
          "splats are exact copies of others: kept");
     note(problems, facts->bad_normals, "normal is zero or not finite: estimated instead",
          "normals are zero or not finite: estimated instead");
     note(problems, facts->bad_radii,
-         "radius is zero, negative, not finite or monstrous: set from the spacing",
-         "radii are zero, negative, not finite or monstrous: set from the spacing");
+         "radius is zero, negative, not within 1e-18 and 1e18 or monstrous: set from the spacing",
+         "radii are zero, negative, not within 1e-18 and 1e18 or monstrous: set from the spacing");
     note(problems, facts->bad_phong, "ellipse is not finite, flat or skew: drawn as a disc",
          "ellipses are not finite, flat or skew: drawn as discs");
     note(problems, facts->outliers, "point is far from everything: its radius is bounded",

@@ -284,7 +284,8 @@ static void tell_lost(struct run *run)
     size_t dropped = facts->volume.dims[0] > 0 ? 0 : facts->not_finite;
     if (dropped)
         console_warning(&run->console, "%s: %zu %s dropped", run->settings->files[0], dropped,
-                        dropped == 1 ? "point is not finite:" : "points are not finite:");
+                        dropped == 1 ? "point is not finite, or beyond 1e18:"
+                                     : "points are not finite, or beyond 1e18:");
     if (facts_coarse(facts))
         console_warning(&run->console,
                         "%s: coordinates are float32 in steps of %.3g, too coarse for radii of "

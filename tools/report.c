@@ -21,6 +21,20 @@ static const char *last_part(const char *path)
     return slash && slash[1] ? slash + 1 : path;
 }
 
+/* As a shell takes it for one word. */
+static void put_word(FILE *out, const char *word)
+{
+    static const char special[] = " \t\n!\"#$&'()*;<>?[\\]^`{|}~";
+    if (word[0] && !strpbrk(word, special)) {
+        fputs(word, out);
+        return;
+    }
+    fputc('\'', out);
+    for (const char *c = word; *c; c++)
+        fputs(*c == '\'' ? "'\\''" : (char[]){ *c, 0 }, out);
+    fputc('\'', out);
+}
+
 /* The command line, files without their folders; to be freed. NULL: out of memory. */
 static char *command_line(const struct settings *settings)
 {
@@ -30,8 +44,10 @@ static char *command_line(const struct settings *settings)
     if (!out)
         return NULL;
     fputs("stipple", out);
-    for (int i = 0; i < settings->word_count; i++)
-        fprintf(out, " %s", last_part(settings->words[i]));
+    for (int i = 0; i < settings->word_count; i++) {
+        fputc(' ', out);
+        put_word(out, last_part(settings->words[i]));
+    }
     if (fclose(out) == 0)
         return text;
     free(text);

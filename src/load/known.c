@@ -55,7 +55,8 @@ static const struct signature signatures[] = {
               "xz", unpack),
     SIGNATURE(0, "BZh", "bzip2", unpack),
     SIGNATURE(0, "7z\xbc\xaf", "7z", unpack),
-    SIGNATURE(0, "\x1f\x8b", "gzip that is cut short", "get the whole file"),
+    SIGNATURE(0, "\x1f\x8b", "gzip that is cut short, or within gzip,",
+              "get the whole file, or unpack it first"),
     SIGNATURE(0, "{", "JSON (glTF?)", "give a point file, or a scene .json of stipple"),
 };
 

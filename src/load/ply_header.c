@@ -117,6 +117,19 @@ static enum stp_result read_element(struct scan *scan, const struct line *line)
     return STP_OK;
 }
 
+/* Of coordinates: fields of any number may share a name, and are not read. */
+static bool stands_before(const struct ply_header *header, struct slice name)
+{
+    const struct ply_element *element = &header->element[header->element_count - 1];
+    bool coordinate = slice_is(name, "x") || slice_is(name, "y") || slice_is(name, "z");
+    for (unsigned i = 0; coordinate && i < element->properties; i++) {
+        struct slice other = header->property[element->first + i].name;
+        if (other.length == 1 && *other.text == *name.text)
+            return true;
+    }
+    return false;
+}
+
 static enum stp_result read_property(struct scan *scan, const struct line *line)
 {
     struct ply_header *header = scan->header;
@@ -134,6 +147,8 @@ static enum stp_result read_property(struct scan *scan, const struct line *line)
     property.length = list ? type_named(line->token[2]) : PLY_NONE;
     if (property.type == PLY_NONE || (list && property.length == PLY_NONE))
         return header_error(scan, line, "an unknown type");
+    if (stands_before(header, property.name))
+        return header_error(scan, line, "a coordinate that the element has already");
     if (property.length >= PLY_FLOAT32)
         return header_error(scan, line, "a list whose length is not an integer");
     header->property[header->property_count++] = property;

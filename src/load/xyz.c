@@ -243,12 +243,26 @@ static void plan_columns(const struct xyz_file *file, struct table *table)
     guess_columns(file, table);
 }
 
-/* Semicolons between numbers, commas within: Europe's spreadsheets. */
+static bool is_digit(char c)
+{
+    return c >= '0' && c <= '9';
+}
+
+/* Semicolons, spaces or tabs between numbers, one comma at most within each: Europe's
+ * spreadsheets. */
 static bool has_decimal_commas(const struct xyz_file *file)
 {
-    size_t length = (size_t)(text_line_end(&file->style, file->body, file->end) - file->body);
-    return memchr(file->body, ';', length) && memchr(file->body, ',', length) &&
-           !memchr(file->body, '.', length);
+    const char *line = file->body, *end = text_line_end(&file->style, line, file->end);
+    unsigned numbers = 1, commas = 0, most = 0;
+    for (const char *c = line + 1; c + 1 < end; c++) {
+        bool between = (*c == ';' || *c == ' ' || *c == '\t') && is_digit(c[-1]);
+        if (*c == '.' || (*c == ',' && !(is_digit(c[-1]) && is_digit(c[1]))))
+            return false;
+        numbers += between;
+        commas = between ? 0 : commas + (*c == ',');
+        most = commas > most ? commas : most;
+    }
+    return numbers > 1 && most == 1;
 }
 
 static enum stp_result check_count(const struct xyz_file *file, size_t rows)

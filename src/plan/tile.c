@@ -287,6 +287,26 @@ static uint64_t room(const struct stp_plan *plan)
                                                                          : left;
 }
 
+static enum stp_result no_tile_fits(const struct stp_env *env, const struct stp_plan *plan,
+                                    uint32_t least)
+{
+    unsigned long long most = largest(plan),
+                       tile = plan_bytes(plan, PLAN_TRANSIENT) + plan_bytes(plan, PLAN_OUTPUT);
+    if (most > plan->limits.max_allocation)
+        return log_error(env, STP_ERROR_DEVICE_MEMORY,
+                         "one buffer takes %llu bytes; the device allows %llu", most,
+                         (unsigned long long)plan->limits.max_allocation);
+    if (!images_fit(plan))
+        return log_error(env, STP_ERROR_DEVICE_MEMORY,
+                         "an image of this view is larger than the device's %u pixels a side",
+                         plan->limits.max_image_size);
+    return log_error(env, STP_ERROR_DEVICE_MEMORY,
+                     "the device has %llu bytes; the scene takes %llu, and not even a tile of %u "
+                     "pixels fits beside it, which takes %llu",
+                     (unsigned long long)plan->limits.heap_bytes,
+                     (unsigned long long)plan_bytes(plan, PLAN_SCENE), least, tile);
+}
+
 static enum stp_result cut_picture(const struct stp_env *env, struct stp_plan *plan)
 {
     uint32_t w = plan->camera.width, h = plan->camera.height, columns = 1, rows = 1;
@@ -296,17 +316,8 @@ static enum stp_result cut_picture(const struct stp_env *env, struct stp_plan *p
         return leave_device(env, plan);
     while (!fits(plan, room(plan))) {
         uint32_t least = STP_BLOCK + 2 * margin(plan);
-        if (plan->tile_width <= least && plan->tile_height <= least &&
-            largest(plan) > plan->limits.max_allocation)
-            return log_error(
-                env, STP_ERROR_DEVICE_MEMORY, "one buffer takes %llu bytes; the device allows %llu",
-                (unsigned long long)largest(plan), (unsigned long long)plan->limits.max_allocation);
         if (plan->tile_width <= least && plan->tile_height <= least)
-            return log_error(env, STP_ERROR_DEVICE_MEMORY,
-                             "the device has %llu bytes; the scene takes %llu, and not even a tile "
-                             "of %u pixels fits beside it",
-                             (unsigned long long)plan->limits.heap_bytes,
-                             (unsigned long long)plan_bytes(plan, PLAN_SCENE), least);
+            return no_tile_fits(env, plan, least);
         if (plan->tile_width >= plan->tile_height)
             columns *= 2;
         else

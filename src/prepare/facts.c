@@ -211,14 +211,15 @@ enum stp_result facts_no_points(const struct stp_env *env, const struct stp_fact
     if (f->points == 0)
         return log_error(env, result, "no points to draw: there are none");
     if (f->not_finite == f->points)
-        return log_error(env, result, "no points to draw: none of %zu has finite coordinates",
+        return log_error(env, result,
+                         "no points to draw: none of %zu has finite coordinates within 1e18",
                          f->points);
     if (f->clipped == f->points)
         return log_error(env, result, "no points to draw: all %zu lie outside the clip box",
                          f->points);
     return log_error(
         env, result,
-        "no points to draw: of %zu, %zu have no finite coordinates and %zu lie outside "
+        "no points to draw: of %zu, %zu have no finite coordinates within 1e18 and %zu lie outside "
         "the clip box",
         f->points, f->not_finite, f->clipped);
 }

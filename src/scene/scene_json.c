@@ -64,6 +64,9 @@ enum stp_result scene_json_begin(const struct json_at *root, const cJSON *json, 
                           "describes a camera, and this is no scene: give it to --camera");
     enum stp_result result = json_check_object(
         root, json, "points volume range lights camera camera_file environment up name comment");
+    if (result == STP_OK && points && json_has(json, "volume"))
+        result =
+            json_error(root, "volume", "stands beside points: a scene holds the one or the other");
     bool none = !points && (json_has(json, "volume") || json_has(json, "range"));
     if (result == STP_OK && !none && !cJSON_IsArray(points))
         result = json_error(root, "points", "an array of point files is needed");

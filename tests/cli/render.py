@@ -103,7 +103,7 @@ class Render(command.CommandTest):
                        "property float z\nend_header\n0 0 0\n1 0 0\n0 1 0\nnan 0 0\n")
         run = self.run_tool("render", "nan.ply", *BASIC[2:])
         self.assertEqual((run.returncode, run.stderr),
-                         (0, "stipple: warning: nan.ply: 1 point is not finite: dropped\n"))
+                         (0, "stipple: warning: nan.ply: 1 point is not finite, or beyond 1e18: dropped\n"))
 
     def test_half(self):
         self.done(*BASIC, "--half", "--aov", "albedo,P")

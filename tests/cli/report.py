@@ -4,6 +4,7 @@ those that render and compare find; and how it refuses."""
 import csv
 import os
 import re
+import shlex
 import shutil
 import struct
 import tempfile
@@ -61,6 +62,17 @@ class Report(command.CommandTest):
             self.assertIn(name, names)
         self.assertIn("stipple report", text)
         self.assertNotIn(self.folder, text)
+
+    def test_its_command_is_for_a_shell(self):
+        name = "the ball's $5 & <more>.ply"
+        shutil.copy(self.path("ball.ply"), self.path(name))
+        words = ["report", "-o", "two words", "--quick", "--rounds", "1", "--size", "24x16", "-q", name]
+        self.done(*words)
+        text = self.read("two words/report.md").decode()
+        command = re.search(r"^    (stipple report .*)$", text, re.M).group(1)
+        self.assertEqual(shlex.split(command)[1:], words)
+        title = xml.fromstring(self.read("two words/report.svg"))
+        self.assertIn(name, "".join(title.itertext()))
 
     def test_rows(self):
         rows = self.make()

@@ -31,6 +31,8 @@ static void test_headers(void **state)
           "an incomplete property" },
         { "ply\nformat ascii 1.0\nelement vertex 1\nproperty list uchar int\nend_header\n",
           "an incomplete property" },
+        { "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nproperty int x\nend_header\n",
+          "has already" },
         { "ply\nformat ascii 1.0\nelephant\nend_header\n", "an unknown keyword" },
         { "ply\nformat ascii 1.0\nelement vertex 1\nproperty float x\nend_header\n1\n",
           "no scalar property y" },

@@ -123,6 +123,8 @@ static void test_errors(void **state)
     refuse_text("1 2 3\n4 5 x\n", STP_ERROR_FORMAT, "byte 10: not a number in point 1 of 2");
     refuse_text("3\n1 2 3\n4 5 6\n", STP_ERROR_FORMAT, "claims 3 points, the file ends after 2");
     refuse_text("1,5;2,5;3,5\n", STP_ERROR_FORMAT, "decimal commas");
+    refuse_text("1,5 2,5 3,5\n", STP_ERROR_FORMAT, "decimal commas");
+    refuse_text("1,5\t2\t3,5\n", STP_ERROR_FORMAT, "decimal commas");
     refuse_text("2\n3\n0 0 0\n1 0 0\n", STP_ERROR_FORMAT, "PTX");
     refuse_text("1 2\n3 4\n", STP_ERROR_FORMAT, "not a point file");
     refuse_text("hello world\nhow are you\n", STP_ERROR_FORMAT, "not a point file");

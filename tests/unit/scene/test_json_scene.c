@@ -171,6 +171,7 @@ static void test_mistakes(void **state)
           "environment.intensity: more than 0" },
         { "{\"points\": [], \"environment\": {\"file\": \"a.ply\"}}",
           "a.ply: neither OpenEXR nor Radiance" },
+        { "{\"points\": [], \"volume\": \"head.nrrd\"}", "volume: stands beside points" },
         { "{\"points\": [], \"camera\": {}}", "camera.world_to_camera: missing" },
         { "{\"points\": [], \"camera\": {}, \"camera_file\": \"c\"}", "exclude each other" },
     };

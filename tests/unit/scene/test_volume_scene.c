@@ -83,7 +83,7 @@ static void what_does_not_go_together(void **state)
           "\"none.json\"}}",
           "none.json" },
         { "{\"points\": [\"p.xyz\"], \"volume\": {\"file\": \"v.raw\", \"dims\": [2,3,4]}}",
-          "one volume, or points" },
+          "volume: stands beside points" },
     };
     put_raw(*state, "v.raw");
     put_file(*state, "p.xyz", "0 0 0\n1 0 0\n0 1 0\n");
